@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# Every target sets up what it needs; the work is in scripts/. `make` alone lists the targets.
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help setup build render test test-long lint format asan bench scenes bake clean
+
+python := .venv/bin/python
+
+# Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`.
+ARGS ?=
+FILES ?=
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: ## install Debian packages and .venv, where missing
+	@scripts/setup.sh
+
+build: setup ## build the native module and install it into .venv
+	@scripts/build.sh module
+
+render: build ## render the bundled cloud into out/
+	@mkdir -p out
+	.venv/bin/nephele render blend_scenes/cloud/cloud.blend \
+	    -o out/cloud.exr --png out/cloud.png --stats out/cloud.json
+
+test: setup ## run every test but the long ones
+	@scripts/build.sh all
+	@scripts/test.sh $(ARGS)
+
+test-long: build ## run the tests that take minutes each
+	$(python) -m pytest -m long --durations=0 $(ARGS)
+
+lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
+	@scripts/setup.sh lint
+	@scripts/lint.sh $(FILES)
+
+format: ## rewrite the sources in the project's format
+	@scripts/setup.sh lint
+	@scripts/format.sh
+
+asan: setup ## run the native tests under the address and undefined-behaviour sanitizers
+	@scripts/build.sh asan
+	@scripts/asan.sh
+
+bench: build ## measure, and write the report
+	$(python) bench/foundation.py $(ARGS)
+
+scenes: build ## make the bundled .blend files anew from their scripts
+	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done
+
+bake: build ## bake the smoke simulation anew (installs Debian's Blender)
+	bash blend_scenes/smoke/bake.sh
+
+clean: ## remove what was built; .venv and out/ stay
+	rm -rf build *.egg-info

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`nephele settings`: the parameter table."""
+
+import json
+
+from .. import parameters
+
+
+def add_parser(subparsers):
+    """Adds the command's arguments."""
+    parser = subparsers.add_parser("settings", help="list the render settings", allow_abbrev=False)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(run=run)
+
+
+def run(arguments):
+    """Prints every setting with its default, range and meaning. Returns the exit code."""
+    rows = [row(parameter) for parameter in parameters.PARAMETERS]
+    if arguments.json:
+        print(json.dumps(rows, indent=2))
+        return 0
+    width = max(len(entry["name"]) for entry in rows)
+    for entry in rows:
+        default = str(entry["default"]).lower() if entry["kind"] == "bool" else entry["default"]
+        unit = f" {entry['unit']}" if entry["unit"] else ""
+        print(f"{entry['name']:<{width}}  {default}{unit}  [{allowed(entry)}]  {entry['doc']}")
+        for item in entry.get("items", ()):
+            print(f"{'':<{width}}    {item['name']}: {item['doc']}")
+    return 0
+
+
+def row(parameter):
+    """Returns what the JSON says of a parameters.Parameter."""
+    entry = {
+        "name": parameter.name,
+        "kind": parameter.kind,
+        "default": parameter.default,
+        "unit": parameter.unit,
+        "label": parameter.label,
+        "doc": parameter.doc,
+        "group": parameter.group,
+    }
+    if parameter.kind in ("int", "float"):
+        entry |= {"minimum": parameter.minimum, "maximum": parameter.maximum}
+    if parameter.kind == "enum":
+        entry["items"] = [{"name": name, "label": label, "doc": doc} for name, label, doc in parameter.items]
+    return entry
+
+
+def allowed(entry):
+    """Returns the values that a row() admits, as text."""
+    if entry["kind"] == "bool":
+        return "true or false"
+    if entry["kind"] == "enum":
+        return " | ".join(item["name"] for item in entry["items"])
+    return f"{entry['minimum']:g} to {entry['maximum']:g}"

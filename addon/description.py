@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene description: everything a render needs, as plain dataclasses of numbers and numpy arrays.
+
+`export/` writes it from Blender, `bridge.py` reads it into the native module, `description_file.py` saves and
+loads it. It knows neither bpy nor the native module. World space is Blender's (right-handed, z up), lengths in
+metres (Blender units), colours scene-linear Rec. 709. Matrices are 4x4 float64, column vectors: p_to = M @ p_from,
+named `to_from_from`. Images and films have their first row at the bottom, as in Blender.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Array = np.ndarray
+ALL_RAYS = 0b111111  # every bit of opcodes.RAY_KINDS
+
+
+@dataclass(frozen=True)
+class Image:
+    """A texture. pixels: (height, width, 4) uint8 (sRGB-encoded or not, see `srgb`) or float32 (linear)."""
+
+    name: str
+    pixels: Array
+    srgb: bool = False
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A closure of a shading program. kind: a key of opcodes.CLOSURES. weight, inputs: register numbers; input -1
+    means "not connected" (only for normals: use the shading normal). mode: distribution index for microfacets."""
+
+    kind: str
+    weight: int
+    inputs: tuple
+    mode: int = 0
+
+
+@dataclass(frozen=True)
+class Program:
+    """A shading program (see opcodes.py). registers: (R, 3) float32 initial values, R <= 256, constants among them.
+    code: (N, 8) int32. parameters: (P,) float32."""
+
+    registers: Array = field(default_factory=lambda: np.ones((1, 3), np.float32))
+    code: Array = field(default_factory=lambda: np.zeros((0, 8), np.int32))
+    parameters: Array = field(default_factory=lambda: np.zeros(0, np.float32))
+    closures: tuple = ()
+
+
+@dataclass(frozen=True)
+class VolumeClosure:
+    """One volume shader. sigma_s, sigma_a: (3,) 1/m at density 1. emission: (3,) W/(m^3 sr). g: Henyey-Greenstein mean
+    cosine. density_grid: name of the grid that multiplies sigma_s and sigma_a, or None for 1 everywhere.
+    emission_grid: the same for emission."""
+
+    sigma_s: tuple = (0.0, 0.0, 0.0)
+    sigma_a: tuple = (0.0, 0.0, 0.0)
+    emission: tuple = (0.0, 0.0, 0.0)
+    g: float = 0.0
+    density_grid: str | None = None
+    emission_grid: str | None = None
+
+
+@dataclass(frozen=True)
+class Material:
+    """surface: None where the material has no surface shader (a pure volume boundary). volume: closures, () for none."""
+
+    name: str
+    surface: Program | None = None
+    volume: tuple = ()
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A triangle mesh in object space. positions (N, 3) float32; triangles (T, 3) int32; corner_normals (T, 3, 3) float32
+    or None (flat); uvs: tuple of (T, 3, 2) float32 by number; attributes: tuple of (T, 3, 4) float32 by number;
+    material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box of generated coordinates."""
+
+    name: str
+    positions: Array
+    triangles: Array
+    corner_normals: Array | None = None
+    uvs: tuple = ()
+    attributes: tuple = ()
+    material_index: Array | None = None
+    generated_min: tuple = (-1.0, -1.0, -1.0)
+    generated_size: tuple = (2.0, 2.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none: a grey
+    diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index: object's."""
+
+    name: str
+    mesh: int
+    world_from_object: Array
+    materials: tuple = (-1,)
+    visibility: int = ALL_RAYS
+    random: float = 0.0
+    color: tuple = (1.0, 1.0, 1.0, 1.0)
+    pass_index: int = 0
+
+
+@dataclass(frozen=True)
+class Volume:
+    """A VDB file placed in the world. path: absolute, of this frame. world_from_object: from the file's world space (its
+    grids' own transforms applied) to ours. material: index. density_scale: multiplies sigma_s, sigma_a and emission
+    (Blender's object-space density). visibility: bits of opcodes.RAY_KINDS."""
+
+    name: str
+    path: str
+    world_from_object: Array
+    material: int
+    density_scale: float = 1.0
+    visibility: int = ALL_RAYS
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light without mesh. kind: "point", "sun", "spot" or "area". It shines along its local -z.
+
+    power: (3,) RGB: W for point, spot, area; W/m^2 for sun (at normal incidence). normalize False: power per m^2 of the
+    light's area. radius: m (point, spot). angle: full angle of the sun's disc, rad. spot_size: full cone angle, rad;
+    spot_blend in [0,1]. shape: "rectangle" or "ellipse"; size: (x, y) m. spread: full angle of an area light, rad.
+    Lights are not seen by the camera. visibility: rays that see it when they hit it. cast_shadow False: never blocked.
+    max_bounces: paths longer than that do not see it."""
+
+    name: str
+    kind: str
+    world_from_light: Array
+    power: tuple
+    normalize: bool = True
+    radius: float = 0.0
+    soft_falloff: bool = False
+    angle: float = 0.0
+    spot_size: float = 0.785398
+    spot_blend: float = 0.15
+    shape: str = "rectangle"
+    size: tuple = (1.0, 1.0)
+    spread: float = 3.14159265
+    visibility: int = ALL_RAYS & ~1
+    cast_shadow: bool = True
+    max_bounces: int = 1024
+
+
+@dataclass(frozen=True)
+class World:
+    """background: program with emission closures, evaluated by direction (None: black). volume: closures everywhere."""
+
+    background: Program | None = None
+    volume: tuple = ()
+    visibility: int = ALL_RAYS
+
+
+@dataclass(frozen=True)
+class Camera:
+    """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right, bottom, top) of
+    the full frame at distance 1 (perspective) or in metres (orthographic). clip_start, clip_end: along the view axis.
+    aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio: anamorphic.
+    focus_distance: m along the view axis."""
+
+    name: str
+    kind: str
+    world_from_camera: Array
+    viewplane: tuple
+    clip_start: float = 0.0
+    clip_end: float = 1e30
+    aperture_radius: float = 0.0
+    blades: int = 0
+    blades_rotation: float = 0.0
+    aperture_ratio: float = 1.0
+    focus_distance: float = 1.0
+
+
+@dataclass(frozen=True)
+class Film:
+    """width, height: full frame in pixels. crop: (x0, y0, x1, y1) pixels rendered, x1 and y1 exclusive, row 0 at the
+    bottom; None for the full frame. transparent: the background counts as alpha 0 and adds nothing. passes: names of
+    passes.PASSES. mist: (start, depth, falloff) with falloff "linear", "quadratic" or "inverse_quadratic"."""
+
+    width: int
+    height: int
+    crop: tuple | None = None
+    transparent: bool = False
+    passes: tuple = ("Combined",)
+    mist: tuple = (5.0, 25.0, "quadratic")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The whole. settings: see parameters.py (missing names take their defaults). warnings: what the exporter left out,
+    one sentence each, naming object and node."""
+
+    camera: Camera
+    film: Film
+    settings: dict = field(default_factory=dict)
+    meshes: tuple = ()
+    instances: tuple = ()
+    volumes: tuple = ()
+    materials: tuple = ()
+    images: tuple = ()
+    lights: tuple = ()
+    world: World = field(default_factory=World)
+    warnings: tuple = ()

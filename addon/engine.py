@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: export, native render, progress, cancel, write-back, error report. One render per view
+layer.
+
+The result of the last render stays in `last_render`; functions in `listeners` get every record as it ends.
+"""
+
+import time
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from . import bridge
+from .export import ExportError, export_scene
+from .export.film import border, enabled_passes, resolution
+
+POLL_SECONDS = 0.05  # between two looks at Escape
+STATUS_SECONDS = 0.2  # between two status texts
+FIRST_UPDATE_SECONDS = 1.0  # between two pictures at first; each next wait is longer by UPDATE_GROWTH
+UPDATE_GROWTH, LAST_UPDATE_SECONDS = 1.25, 15.0
+
+USER_FAULTS = (ExportError, bridge.NativeModuleError, ValueError, RuntimeError, MemoryError)
+
+
+@dataclass
+class RenderRecord:
+    """What became of one render. state: "running", "done", "cancelled" or "failed". seconds: wall time of
+    "export", "build", "render" and "write". statistics: the native module's."""
+
+    frame: int
+    view_layer: str
+    state: str = "running"
+    message: str = ""
+    warnings: list = field(default_factory=list)
+    statistics: dict = field(default_factory=dict)
+    seconds: dict = field(default_factory=dict)
+
+
+last_render = None
+listeners = []  # called with each finished RenderRecord
+
+
+class NepheleRenderEngine(bpy.types.RenderEngine):
+    """Nephele as Blender's render engine."""
+
+    bl_idname = "NEPHELE"
+    bl_label = "Nephele"
+    bl_use_preview = False
+    bl_use_postprocess = True
+    bl_use_eevee_viewport = True  # Material Preview is EEVEE's
+    bl_use_shading_nodes_custom = False  # the shader nodes are Blender's own
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        """Blender asks which passes there are."""
+        for row in enabled_passes(renderlayer):
+            self.register_pass(scene, renderlayer, row.name, len(row.channels), row.channels, row.kind)
+
+    def render(self, depsgraph):
+        """Blender asks for the picture of one view layer."""
+        global last_render
+        # A result must be complete before anything can fail: Blender crashes on writing a file without one.
+        self.end_result(self._begin_blank(depsgraph))
+        record = RenderRecord(depsgraph.scene.frame_current, depsgraph.view_layer.name)
+        last_render = record
+        try:
+            self._render(depsgraph, record)
+        except USER_FAULTS as fault:
+            self._fail(record, str(fault))
+        except KeyboardInterrupt:
+            record.state = "cancelled"
+            raise
+        except BaseException as fault:
+            self._fail(record, f"internal error: {type(fault).__name__}: {fault}")
+            raise
+        finally:
+            for listener in listeners:
+                listener(record)
+
+    def _fail(self, record, message):
+        """Tells the user interface (error_set) and scripts (report) what went wrong."""
+        record.state, record.message = "failed", message
+        self.error_set(message)
+        self.report({"ERROR"}, message)
+
+    def _begin_blank(self, depsgraph):
+        """Returns a begun result of the rendered region."""
+        width, height = self._region(depsgraph)
+        return self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
+
+    def _region(self, depsgraph):
+        """Returns (width, height) of the rendered region; Blender puts it into the frame, or crops to it."""
+        render = depsgraph.scene.render
+        width, height = resolution(render)
+        try:
+            region = border(render, width, height)
+        except ExportError:  # reported by the export that follows
+            region = None
+        return (region[2] - region[0], region[3] - region[1]) if region else (width, height)
+
+    def _render(self, depsgraph, record):
+        with _Timer(record, "export"):
+            self.update_stats("", "Exporting scene")
+            scene = export_scene(depsgraph, engine=self)
+        self._warn(record, scene.warnings)
+        if self._cancelled_before_start(record):
+            return
+        with _Timer(record, "build"):
+            self.update_stats("", "Building scene")
+            renderer = bridge.create_renderer(scene)
+        self._warn(record, renderer.warnings)
+        for row in enabled_passes(depsgraph.view_layer):
+            if not row.view_layer:
+                self.add_pass(row.name, len(row.channels), row.channels, layer=depsgraph.view_layer.name)
+        if self._cancelled_before_start(record):
+            return
+        result = self._begin_blank(depsgraph)
+        try:
+            with _Timer(record, "render"):
+                self._run(renderer, result, scene.film.passes, record)
+            with _Timer(record, "write"):
+                write_passes(result, renderer, scene.film.passes)
+        finally:
+            self.end_result(result)
+            record.statistics = dict(renderer.statistics())
+
+    def _warn(self, record, warnings):
+        for text in warnings:
+            if text not in record.warnings:
+                record.warnings.append(text)
+                self.report({"WARNING"}, text)
+
+    def _cancelled_before_start(self, record):
+        if self.test_break():
+            record.state = "cancelled"
+        return record.state == "cancelled"
+
+    def _run(self, renderer, result, passes, record):
+        """Starts the renderer and stays until it is done or Escape is pressed."""
+        scene_megabytes = _megabytes(renderer.statistics())
+        self.update_memory_stats(memory_used=scene_megabytes, memory_peak=scene_megabytes)
+        renderer.start()
+        try:
+            pause = FIRST_UPDATE_SECONDS
+            now = time.monotonic()
+            next_status, next_picture = now, now + pause
+            while not renderer.wait(POLL_SECONDS):
+                if self.test_break():
+                    record.state = "cancelled"
+                    break
+                now = time.monotonic()
+                if now >= next_status:
+                    next_status = now + STATUS_SECONDS
+                    self._show_progress(renderer.progress())
+                if now >= next_picture:
+                    write_passes(result, renderer, passes)
+                    self.update_result(result)
+                    pause = min(pause * UPDATE_GROWTH, LAST_UPDATE_SECONDS)
+                    next_picture = time.monotonic() + pause
+        finally:  # also when a native thread failed or Ctrl C came: no thread may outlive this call
+            renderer.cancel()
+            while not renderer.wait(POLL_SECONDS):
+                pass
+        progress = renderer.progress()
+        self._show_progress(progress)
+        record.message = progress["message"]
+        if record.state == "running":
+            record.state = "cancelled" if progress["state"] == "cancelled" else "done"
+
+    def _show_progress(self, progress):
+        self.update_progress(min(max(progress["fraction"], 0.0), 1.0))
+        self.update_stats(status_text(progress), "Rendering")
+
+
+class _Timer:
+    """Context manager that adds a stage's wall time to a record."""
+
+    def __init__(self, record, stage):
+        self._record, self._stage = record, stage
+
+    def __enter__(self):
+        self._start = time.perf_counter()
+
+    def __exit__(self, *_):
+        self._record.seconds[self._stage] = time.perf_counter() - self._start
+
+
+def status_text(progress):
+    """Returns "Sample 3/128 | 0:05 | 3:20 left" of Renderer.progress()."""
+    text = f"Sample {progress['samples_done']}/{progress['samples']} | {clock(progress['seconds'])}"
+    if 0 < progress["fraction"] < 1:
+        left = progress["seconds"] * (1 - progress["fraction"]) / progress["fraction"]
+        text += f" | {clock(left)} left"
+    return text
+
+
+def clock(seconds):
+    """Returns "m:ss", or "h:mm:ss" from an hour on."""
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+
+
+def _megabytes(statistics):
+    """Returns the size of the built scene in MiB, as far as the statistics count it."""
+    grids = sum(grid["bytes"] for grid in statistics.get("grids", ()))
+    return (grids + statistics.get("embree_bytes", 0)) / 2**20
+
+
+def write_passes(result, renderer, names):
+    """Copies the renderer's passes into a begun result of Blender's."""
+    passes = result.layers[0].passes
+    for name in names:
+        pixels = np.ascontiguousarray(renderer.read_pass(name), np.float32)
+        passes[name].rect.foreach_set(pixels.reshape(-1))
+
+
+CLASSES = (NepheleRenderEngine,)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The exporter: an evaluated depsgraph to a description.Scene. It imports neither panels nor the native
+module."""
+
+import bpy
+
+from .. import description
+from .camera import export_camera
+from .context import Context, ExportError
+from .film import export_film, export_settings
+from .nodes import compile_world
+from .objects import Objects
+
+__all__ = ["ExportError", "export_scene"]
+
+
+def export_scene(depsgraph, *, engine=None):
+    """Returns the description.Scene of an evaluated depsgraph at its frame.
+
+    engine: the RenderEngine that renders it (for its camera override), or None. Raises ExportError, its
+    message naming what is at fault and the remedy. What is left out is named in the result's `warnings`.
+    """
+    context = Context(depsgraph)
+    film = export_film(context)
+    camera = export_camera(context, engine, film.width, film.height)
+    settings = export_settings(context)
+    _check_scene(context)
+    objects = Objects(context)
+    objects.walk()
+    world = compile_world(context.scene.world, context)
+    return description.Scene(
+        camera=camera,
+        film=film,
+        settings=settings,
+        meshes=objects.meshes,
+        instances=tuple(objects.instances),
+        volumes=tuple(objects.volumes),
+        materials=tuple(context.materials),
+        images=tuple(context.images),
+        lights=tuple(objects.lights),
+        world=world,
+        warnings=tuple(context.warnings),
+    )
+
+
+def _check_scene(context):
+    """Warns about settings of the scene that we do not have."""
+    scene = context.scene
+    if scene.render.use_motion_blur:
+        context.warn(f"scene '{scene.name}': motion blur is not supported; everything stands still")
+    working_space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    if working_space != "Linear Rec.709":
+        context.warn(
+            f"the file's working colour space is {working_space}; colours are taken as Linear Rec.709"
+        )

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compiles materials', worlds' and lights' node trees: the entry points of the node compiler."""
+
+import bpy
+
+from .. import description
+from . import nodes_color, nodes_input, nodes_math, nodes_texture
+from .nodes_closure import compile_closures
+from .nodes_program import ONE, ProgramTooLarge, constant
+from .nodes_tree import Compiler, relay, upstream
+from .nodes_volume import VolumeCompiler
+
+HANDLERS = nodes_input.HANDLERS | nodes_math.HANDLERS | nodes_color.HANDLERS | nodes_texture.HANDLERS
+
+
+def active_output(tree):
+    """Returns the output node that Cycles would use, or None."""
+    return tree.get_output_node("CYCLES") if tree is not None else None
+
+
+def uses_nodes(block):
+    """True when a material, world or light is shaded by its node tree; from Blender 5.0 on only lights may not be."""
+    always = bpy.app.version >= (5, 0, 0) and not isinstance(block, bpy.types.Light)
+    return block.node_tree is not None and (always or block.use_nodes)
+
+
+def finished(compiler):
+    """Returns the compiler's program; an empty (black) one, with a warning, where it grew too large."""
+    try:
+        return compiler.builder.finish()
+    except ProgramTooLarge as fault:
+        compiler.context.warn(f"{compiler.owner}: the node tree {fault}; it is rendered black. Simplify it")
+        return description.Program()
+
+
+def compile_material(material, context, grids):
+    """Returns (description.Material, UV map names -> number, attribute names -> number).
+
+    material: Blender's, with or without nodes. grids: whether attributes of its volume shader are grids.
+    """
+    owner = f"material '{material.name}'"
+    compiler = Compiler(owner, "material", context, HANDLERS, material.pass_index)
+    if not uses_nodes(material):
+        compiler.builder.closure(
+            "diffuse", ONE, (constant(tuple(material.diffuse_color)), constant(0.0), None)
+        )
+        return description.Material(material.name, compiler.builder.finish()), {}, {}
+    output = active_output(material.node_tree)
+    if output is None:
+        context.warn(f"{owner}: has no active Material Output node; it is rendered black")
+        return description.Material(material.name, description.Program()), {}, {}
+    if upstream(output.inputs["Displacement"]) is not None:
+        compiler.warn(output, "displacement is not supported; the surface stays as it is")
+    volume = VolumeCompiler(compiler, grids).compile(output.inputs["Volume"])
+    has_surface = upstream(output.inputs["Surface"]) is not None
+    has_volume = upstream(output.inputs["Volume"]) is not None
+    surface = None
+    if not grids and (has_surface or not has_volume):
+        compile_closures(compiler, output.inputs["Surface"], ())
+        surface = finished(compiler)
+    return description.Material(material.name, surface, volume), compiler.uvs, compiler.attributes
+
+
+def compile_world(world, context):
+    """Returns the description.World of Blender's world (None: black)."""
+    if world is None:
+        return description.World()
+    compiler = Compiler(f"world '{world.name}'", "world", context, HANDLERS)
+    if not uses_nodes(world):
+        compiler.builder.closure("emission", ONE, (constant(tuple(world.color)), ONE))
+        return description.World(background=compiler.builder.finish())
+    output = active_output(world.node_tree)
+    if output is None:
+        context.warn(f"world '{world.name}': has no active World Output node; it is black")
+        return description.World()
+    volume = VolumeCompiler(compiler, grids=False).compile(output.inputs["Volume"])
+    compile_closures(compiler, output.inputs["Surface"], ())
+    program = finished(compiler)
+    return description.World(background=program if program.closures else None, volume=volume)
+
+
+def light_factor(light, context):
+    """Returns the (3,) tuple that a light's node tree multiplies its power by: colour times strength of its
+    Emission."""
+    if not uses_nodes(light):
+        return (1.0, 1.0, 1.0)
+    owner = f"light '{light.name}'"
+    output = active_output(light.node_tree)
+    if output is None:
+        context.warn(f"{owner}: has no active Light Output node; it gives no light")
+        return (0.0, 0.0, 0.0)
+    compiler = Compiler(owner, "light", context, HANDLERS)
+    found, path = upstream(output.inputs["Surface"]), ()
+    while found is not None and (passed := relay(found, path)) is not None:
+        behind, path = passed
+        found = upstream(behind) if behind is not None else None
+    if found is None:
+        return (0.0, 0.0, 0.0)
+    node = found.node
+    if node.type != "EMISSION":
+        compiler.warn(node, "only an Emission node is supported in a light; its nodes are left out")
+        return (1.0, 1.0, 1.0)
+    color, strength = compiler.input(node, "Color", path), compiler.input(node, "Strength", path)
+    if color.constant is None or strength.constant is None:
+        compiler.warn(
+            node, "inputs that are not constant are not supported in a light; its nodes are left out"
+        )
+        return (1.0, 1.0, 1.0)
+    return tuple(a * b for a, b in zip(color.constant, strength.constant, strict=True))

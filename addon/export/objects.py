@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects: walks the depsgraph's instances and sorts them into meshes, lights and volumes."""
+
+from .. import description
+from .hash import hash_pair, hash_text
+from .lights import export_light
+from .mesh import MeshRecord
+from .nodes_input import ray_bits
+from .space import matrix4
+from .volumes import export_fluid, export_volume, fluid_domain
+
+CONVERTIBLE = {"CURVE", "FONT", "SURFACE", "META"}  # shown as the mesh that Blender makes of them
+UNSEEN = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
+UNSUPPORTED = {
+    "CURVES": "hair curves are not supported; they are left out",
+    "POINTCLOUD": "point clouds are not supported; they are left out",
+    "GREASEPENCIL": "grease pencil is not supported; it is left out",
+    "GPENCIL": "grease pencil is not supported; it is left out",
+}
+VISIBILITY = {  # property of objects -> bit of opcodes.RAY_KINDS
+    "visible_camera": ray_bits("camera"),
+    "visible_diffuse": ray_bits("diffuse"),
+    "visible_glossy": ray_bits("glossy"),
+    "visible_transmission": ray_bits("transmission"),
+    "visible_volume_scatter": ray_bits("volume"),
+    "visible_shadow": ray_bits("shadow"),
+}
+
+
+class Objects:
+    """Everything that stands in the scene. meshes, instances, lights, volumes: of the description, once
+    `walk` ran."""
+
+    def __init__(self, context):
+        self._context = context
+        self._records = {}  # key of evaluated data -> (number, MeshRecord) or None where it has no faces
+        self._made = []  # objects whose to_mesh() results are still in use
+        self._converted = set()  # objects whose mesh Blender lists by itself
+        self._checked = set()  # objects already searched for unsupported features
+        self.meshes, self.instances, self.lights, self.volumes = (), [], [], []
+
+    def walk(self):
+        """Reads all instances."""
+        instances = self._context.depsgraph.object_instances
+        self._converted = {
+            instance.instance_object.original.as_pointer()
+            for instance in instances
+            if instance.is_instance and instance.object.type == "MESH" and instance.instance_object is not None
+        }
+        for instance in instances:
+            if instance.show_self and not instance.object.hide_render:
+                self._add(instance)
+        found = [entry for entry in self._records.values() if entry is not None]
+        self.meshes = tuple(record.finish() for _, record in found)
+        for item in self._made:
+            item.to_mesh_clear()
+
+    def _add(self, instance):
+        item = instance.object
+        self._check(instance)
+        visibility = self._visibility(instance)
+        source = self._source(instance)
+        if item.type == "LIGHT":
+            self.lights.append(export_light(self._context, instance, visibility))
+        elif item.type == "VOLUME":
+            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            self._append_volume(export_volume(self._context, instance, source, material, visibility))
+        elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
+            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            self._append_volume(export_fluid(self._context, instance, domain, material, visibility))
+        elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
+            self._add_mesh(instance, source, visibility)
+        elif item.type in UNSUPPORTED:
+            self._context.warn(f"object '{item.name}': {UNSUPPORTED[item.type]}")
+        elif item.type not in UNSEEN | CONVERTIBLE:
+            self._context.warn(
+                f"object '{item.name}': objects of type {item.type.title()} are not supported; left out"
+            )
+
+    def _is_converted(self, instance):
+        """True for a curve or the like whose mesh Blender lists as an instance of its own (not for metaballs of old
+        versions)."""
+        owner = instance.instance_object if instance.is_instance else instance.object
+        return owner is not None and owner.original.as_pointer() in self._converted
+
+    def _append_volume(self, volume):
+        if volume is not None:
+            self.volumes.append(volume)
+
+    def _add_mesh(self, instance, source, visibility):
+        key = self._key(instance)
+        if key not in self._records:
+            self._records[key] = self._read(source or instance.object)
+        if self._records[key] is None:
+            return
+        number, record = self._records[key]
+        materials = []
+        for material in self._materials(instance, source) or [None]:
+            index, uvs, attributes = self._context.material_number(material)
+            record.require(uvs, attributes)
+            materials.append(index)
+        item = instance.object
+        self.instances.append(
+            description.Instance(
+                name=item.name,
+                mesh=number,
+                world_from_object=matrix4(instance.matrix_world),
+                materials=tuple(materials),
+                visibility=visibility,
+                random=random_number(instance),
+                color=tuple(item.color),
+                pass_index=item.pass_index,
+            )
+        )
+
+    def _key(self, instance):
+        """Identifies the evaluated geometry. Curves and the like get their mesh from the object, modifiers
+        included."""
+        item = instance.object
+        data = item.data.as_pointer()
+        return data if item.type == "MESH" else (data, item.original.as_pointer())
+
+    def _read(self, item):
+        """Returns (number, MeshRecord) of the object's geometry, or None where it has no faces."""
+        if item.type == "MESH" and not item.data.is_editmode:
+            mesh = item.data
+        else:
+            mesh = item.to_mesh()
+            self._made.append(item)
+        if mesh is None or len(mesh.polygons) == 0:
+            return None
+        number = sum(1 for entry in self._records.values() if entry is not None)
+        return number, MeshRecord(item.data.name, mesh)
+
+    def _source(self, instance):
+        """Returns the object whose own data the instance shows, or None where Geometry Nodes made the
+        data."""
+        owner = instance.instance_object if instance.is_instance else instance.object
+        if owner is None or owner.data is None or instance.object.data is None:
+            return None
+        return owner if owner.data.as_pointer() == instance.object.data.as_pointer() else None
+
+    def _materials(self, instance, source):
+        """Returns the materials by slot (None for empty ones)."""
+        if source is not None:
+            return [slot.material for slot in source.material_slots]
+        return list(instance.object.data.materials)
+
+    def _material(self, instance, source):
+        """Returns the material of a volume, its first."""
+        return next(iter(self._materials(instance, source)), None)
+
+    def _visibility(self, instance):
+        """Returns the mask of ray kinds that see the instance: its own and its instancer's settings
+        together."""
+        item = instance.object
+        owners = [item] if instance.parent is None else [item, instance.parent]
+        mask = 0
+        for name, bit in VISIBILITY.items():
+            if all(getattr(owner, name) for owner in owners):
+                mask |= bit
+        layer_object = owners[-1].original
+        if layer_object.indirect_only_get(view_layer=self._context.depsgraph.view_layer):
+            mask &= ~VISIBILITY["visible_camera"]
+        return mask
+
+    def _check(self, instance):
+        """Warns, once per object, about features of it that we do not have."""
+        item = (instance.parent or instance.object) if instance.is_instance else instance.object
+        if item.original.as_pointer() in self._checked:
+            return
+        self._checked.add(item.original.as_pointer())
+        for text in unsupported_features(item, self._context):
+            self._context.warn(f"object '{item.name}': {text}")
+
+
+def random_number(instance):
+    """Returns Object Info's Random in [0, 1]: Blender's for instances, from the name for other objects, as in
+    Cycles."""
+    bits = instance.random_id if instance.is_instance else hash_pair(hash_text(instance.object.name), 0)
+    return (bits & 0xFFFFFFFF) / 0xFFFFFFFF
+
+
+def unsupported_features(item, context):
+    """Yields a sentence for each feature of the object that changes the picture and that we do not have."""
+    layer = context.depsgraph.view_layer
+    if item.is_holdout or item.original.holdout_get(view_layer=layer):
+        yield "holdout is not supported; it renders as usual"
+    if item.is_shadow_catcher and item.type != "LIGHT":
+        yield "shadow catchers are not supported; it renders as usual"
+    linking = getattr(item, "light_linking", None)
+    if linking is not None and (linking.receiver_collection or linking.blocker_collection):
+        yield "light linking is not supported; every light reaches everything"
+    for system in item.particle_systems:
+        if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+            yield f"hair of particle system '{system.name}' is not supported; it is left out"
+    for modifier in item.modifiers:
+        if modifier.type == "SUBSURF" and getattr(modifier, "use_adaptive_subdivision", False):
+            yield f"adaptive subdivision ({modifier.name}) is not supported; its fixed level is used"

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels: render settings by parameter group, passes, shader nodes; and Blender's own panels that serve us
+too."""
+
+from typing import ClassVar
+
+import bpy
+from bpy_extras.node_utils import find_node_input
+
+from .export.nodes import uses_nodes
+from .parameters import PARAMETERS
+from .passes import PASSES
+from .properties import toggle_name
+
+ENGINE = "NEPHELE"
+
+GROUPS = (  # (group of parameters, label, closed at first), in the order shown
+    ("sampling", "Sampling", False),
+    ("paths", "Light Paths", False),
+    ("volumes", "Volumes", False),
+    ("film", "Film", False),
+    ("performance", "Performance", True),
+    ("advanced", "Advanced", True),
+)
+
+# Blender's properties shown beside ours: group -> names in Scene.render.
+BLENDER_PROPERTIES = {"film": ("film_transparent",), "performance": ("threads_mode", "threads")}
+
+# Panels for every engine that would promise what we do not have, or that ours replace.
+EXCLUDED = {
+    "DATA_PT_light",
+    "DATA_PT_preview",
+    "MATERIAL_PT_preview",
+    "RENDER_PT_stereoscopy",
+    "VIEWLAYER_PT_filter",
+}
+# Panels that Blender gives to its own engines only, and that serve us as they are.
+ADOPTED = {
+    "DATA_PT_EEVEE_light",
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_WORLD_PT_mist",
+    "VIEWLAYER_PT_layer_passes",
+}
+
+
+class _Ours:
+    """Mixin: a panel of the properties editor, shown when Nephele renders."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    COMPAT_ENGINES = frozenset({ENGINE})
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+
+class _GroupPanel(_Ours):
+    """Mixin: the parameters of one group."""
+
+    bl_context = "render"
+    group = ""
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for parameter in PARAMETERS:
+            if parameter.group == self.group:
+                layout.prop(context.scene.nephele, parameter.name)
+        for name in BLENDER_PROPERTIES.get(self.group, ()):
+            layout.prop(context.scene.render, name)
+
+
+def _group_panel(group, label, closed):
+    """Returns the panel class of a parameter group."""
+    members = {"bl_label": label, "bl_options": {"DEFAULT_CLOSED"} if closed else set(), "group": group}
+    return type(f"NEPHELE_PT_{group}", (_GroupPanel, bpy.types.Panel), members)
+
+
+class NEPHELE_PT_passes(_Ours, bpy.types.Panel):
+    """Toggles of the passes, Blender's and ours, in the order of the table."""
+
+    bl_label = "Nephele"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer_passes"
+    bl_options: ClassVar[set] = {"HIDE_HEADER"}
+
+    def draw(self, context):
+        layout, layer = self.layout, context.view_layer
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Include", align=True)
+        for row in PASSES:
+            if row.view_layer:
+                column.prop(layer, row.view_layer, text=row.name)
+            else:
+                column.prop(layer.nephele, toggle_name(row))
+
+
+class _NodePanel(_Ours):
+    """Mixin: the tree of nodes behind one socket of the output node. block: "material", "world" or
+    "light"."""
+
+    block = ""
+    socket = ""
+
+    @classmethod
+    def poll(cls, context):
+        return getattr(context, cls.block, None) is not None and super().poll(context)
+
+    def draw(self, context):
+        block = getattr(context, self.block)
+        if not uses_nodes(block):
+            self.layout.prop(block, "use_nodes")
+            return
+        self.layout.use_property_split = True
+        node = block.node_tree.get_output_node("CYCLES")
+        found = find_node_input(node, self.socket) if node is not None else None
+        if found is None:
+            self.layout.label(text="No output node")
+        else:
+            self.layout.template_node_view(block.node_tree, node, found)
+
+
+def _node_panel(block, context, socket, label, closed=False):
+    """Returns the panel class of one socket."""
+    members = {
+        "bl_label": label,
+        "bl_context": context,
+        "bl_options": {"DEFAULT_CLOSED"} if closed else set(),
+        "block": block,
+        "socket": socket,
+    }
+    return type(f"NEPHELE_PT_{block}_{socket.lower()}", (_NodePanel, bpy.types.Panel), members)
+
+
+CLASSES = (
+    *(_group_panel(*row) for row in GROUPS),
+    NEPHELE_PT_passes,
+    _node_panel("material", "material", "Surface", "Surface"),
+    _node_panel("material", "material", "Volume", "Volume"),
+    _node_panel("world", "world", "Surface", "Surface"),
+    _node_panel("world", "world", "Volume", "Volume", closed=True),
+    _node_panel("light", "data", "Surface", "Nodes", closed=True),
+)
+
+
+def compatible_panels():
+    """Yields the panels of Blender that serve us: those for every engine but EXCLUDED, and ADOPTED."""
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", ())
+        for_all = (
+            "BLENDER_RENDER" in engines
+            and panel.__name__ not in EXCLUDED
+            and "freestyle" not in panel.__name__
+        )
+        if for_all or panel.__name__ in ADOPTED:
+            yield panel
+
+
+def register():
+    for panel in compatible_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
+    for panel in bpy.types.Panel.__subclasses__():
+        if panel not in CLASSES and hasattr(panel, "COMPAT_ENGINES"):
+            panel.COMPAT_ENGINES.discard(ENGINE)

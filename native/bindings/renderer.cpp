@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The class `Renderer`: one scene, one render. Python polls, cancels and reads; all work runs without the GIL.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/convert.h"
+
+namespace nb = nanobind;
+
+namespace nephele::bindings {
+
+namespace {
+
+const char* name_of(Render::State state) {
+    switch (state) {
+        case Render::State::idle: return "idle";
+        case Render::State::running: return "running";
+        case Render::State::done: return "done";
+        case Render::State::cancelled: return "cancelled";
+        case Render::State::failed: break;
+    }
+    return "failed";
+}
+
+template <class T>
+nb::object array(std::vector<T> values, std::initializer_list<std::size_t> shape) {
+    auto* held = new std::vector<T>(std::move(values));
+    const nb::capsule owner(held, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, T>(held->data(), shape.size(), shape.begin(), owner));
+}
+
+class Renderer {
+public:
+    explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
+        SceneSource source = scene_source_of(description);
+        FilmSource film = film_source_of(description.attr("film"));
+        const nb::gil_scoped_release release;
+        const auto begin = std::chrono::steady_clock::now();
+        scene_ = std::make_shared<const Scene>(std::move(source));
+        render_ = std::make_unique<Render>(scene_, settings_, std::move(film));
+        build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+
+    void start() { render_->start(); }
+    void cancel() { render_->cancel(); }
+    bool wait(double seconds) {
+        const nb::gil_scoped_release release;
+        return render_->wait(seconds);
+    }
+    std::vector<std::string> warnings() const { return scene_->warnings(); }
+
+    nb::dict progress() const {
+        nb::dict out;
+        out["state"] = name_of(render_->state());
+        out["samples_done"] = render_->samples_done();
+        out["samples"] = settings_.samples;
+        out["fraction"] = render_->fraction();
+        out["seconds"] = render_->seconds();
+        return out;
+    }
+
+    nb::object read_pass(const std::string& name) const {
+        const PassId pass = pass_of(name);
+        const Film& film = render_->film();
+        std::vector<float> values;
+        {
+            const nb::gil_scoped_release release;
+            values = film.read(pass);
+        }
+        return array(std::move(values), {static_cast<std::size_t>(film.height()), static_cast<std::size_t>(film.width()),
+                                         static_cast<std::size_t>(kPasses[static_cast<std::size_t>(pass)].channels)});
+    }
+
+    nb::dict statistics() const {
+        const RenderStatistics s = render_->statistics();
+        nb::dict out;
+        out["kernel_features"] = scene_->features().list(true);
+        out["left_out"] = scene_->features().list(false);
+        out["samples_done"] = render_->samples_done();
+        out["rays"] = s.rays;
+        out["density_lookups"] = s.density_lookups;
+        out["nonfinite_samples"] = s.nonfinite_samples;
+        out["build_seconds"] = build_seconds_;
+        out["render_seconds"] = s.render_seconds;
+        out["render_cpu_seconds"] = s.render_cpu_seconds;
+        out["first_tile_seconds"] = s.first_tile_seconds;
+        out["hierarchy_bytes"] = scene_->hierarchy_bytes();
+        nb::list grids;
+        for (const GridUse& g : scene_->grids()) {
+            nb::dict row;
+            row["volume"] = g.volume;
+            row["path"] = g.path;
+            row["grid"] = g.grid;
+            row["active_voxels"] = g.active_voxels;
+            row["bytes"] = g.bytes;
+            grids.append(row);
+        }
+        out["grids"] = grids;
+        return out;
+    }
+
+    nb::dict checkpoint() const {
+        nb::dict out;
+        for (auto& [name, values] : render_->film().save()) out[name.c_str()] = array(std::vector(values), {values.size()});
+        return out;
+    }
+
+    void restore(const nb::dict& saved) {
+        std::map<std::string, std::vector<double>> values;
+        for (auto [key, item] : saved) {
+            nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> view;
+            const auto name = nb::cast<std::string>(key);
+            if (!nb::try_cast(item, view, false)) throw std::invalid_argument("checkpoint entry '" + name + "' is not a float64 array");
+            values[name].assign(view.data(), view.data() + view.size());
+        }
+        render_->restore(values);
+    }
+
+private:
+    Settings settings_;
+    std::shared_ptr<const Scene> scene_;
+    std::unique_ptr<Render> render_;
+    double build_seconds_ = 0;
+};
+
+}  // namespace
+
+void bind_renderer(nb::module_& m) {
+    m.def(
+        "scene_features",
+        [](nb::handle description) {
+            const Scene scene(scene_source_of(description));
+            nb::dict out;
+            out["kernel_features"] = scene.features().list(true);
+            out["left_out"] = scene.features().list(false);
+            out["warnings"] = scene.warnings();
+            return out;
+        },
+        nb::arg("scene"), "dict: what the scene needs of the renderer, what it leaves out, warnings. Raises as Renderer does.");
+    nb::class_<Renderer>(m, "Renderer", "A scene being rendered. Built from a description.Scene, whose arrays it keeps and shares.")
+        .def(nb::init<nb::handle>(), nb::arg("scene"),
+             "Builds the scene. Raises ValueError or RuntimeError naming the object or file at fault.")
+        .def("start", &Renderer::start, "Starts rendering on native threads and returns at once.")
+        .def("wait", &Renderer::wait, nb::arg("seconds"),
+             "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
+        .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
+        .def("progress", &Renderer::progress, "dict: state, samples_done, samples, fraction in [0, 1], seconds.")
+        .def("read_pass", &Renderer::read_pass, nb::arg("name"),
+             "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError where it was not asked for.")
+        .def("statistics", &Renderer::statistics, "dict of counts, times (s) and sizes (bytes).")
+        .def("checkpoint", &Renderer::checkpoint, "dict name -> float64 sums, for `restore`.")
+        .def("restore", &Renderer::restore, nb::arg("saved"),
+             "Takes up a checkpoint before `start`. Raises ValueError where it does not fit.")
+        .def_prop_ro("warnings", &Renderer::warnings, "What was left out or mended while building, one sentence each.");
+}
+
+}  // namespace nephele::bindings

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The film: sums of samples per pixel for the passes that were asked for, and nothing else. Knows nothing of Blender.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "math/vec.h"
+#include "passes_table.h"
+
+namespace nephele {
+
+/// What one path has to say about its pixel.
+struct PixelSample {
+    Rgb volume, surface;  ///< parts of the radiance by first event
+    Rgb emission;
+    Rgb transmittance{1};
+    Rgb albedo, volume_albedo;
+    Vec3f normal;
+    float alpha = 1;
+    float depth = 1e10f;
+    float mist = 1;
+    float cost = 0;
+};
+
+class Film {
+public:
+    /// width, height: of the region rendered.
+    Film(int width, int height, std::span<const PassId> passes);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    bool has(PassId pass) const { return !sums_of(pass).empty() || pass == PassId::sample_count; }
+
+    /// Adds a sample to pixel (x, y), scaled by `exposure` where it is light.
+    void add(int x, int y, const PixelSample& sample, float exposure);
+    std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
+
+    /// The pass as (height, width, channels) floats, first row at the bottom. Throws std::invalid_argument where it was not
+    /// asked for. May be called while samples are being added: pixels are then a mix of older and newer.
+    std::vector<float> read(PassId pass) const;
+
+    /// Sums by name, for checkpoints. Throws std::invalid_argument where they do not fit this film.
+    std::map<std::string, std::vector<double>> save() const;
+    void restore(const std::map<std::string, std::vector<double>>& saved);
+
+private:
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+    const std::vector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
+    void allocate(PassId pass, int channels);
+    void add_to(PassId pass, std::size_t pixel, const float* values, int channels);
+    std::vector<float> variance() const;
+
+    int width_, height_;
+    bool variance_asked_ = false, combined_asked_ = false;
+    std::vector<std::uint32_t> counts_;
+    std::vector<double> sums_[kPassCount];  ///< channels of kPasses; variance: sum of squares, RGB
+};
+
+}  // namespace nephele

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Next-event estimation: aims at one light from a point on a surface or in a volume.
+//
+// MIS weights use the solid-angle densities of direction and light alone. Transmittance and free-flight densities do not enter
+// them: both techniques carry the transmittance as a factor of the estimate, so the weights are one fixed function of the
+// direction and add up to 1.
+#pragma once
+
+#include "integrators/integrator.h"
+#include "math/transform.h"
+#include "tracking/ratio.h"
+
+namespace nephele {
+
+/// A light seen from a point, before visibility.
+struct DirectSample {
+    LightSample light;   ///< pdf includes the probability of choosing the light
+    bool cast_shadow = true;
+};
+
+/// Rays that leave a surface count as seeing a lamp if any of these kinds does.
+inline constexpr std::uint32_t kSurfaceRays = kDiffuseRay | kGlossyRay | kTransmissionRay;
+
+inline bool lamp_seen_from(const Lamp& lamp, std::uint32_t ray_kind) {
+    if (ray_kind & kSurfaceRays) return (lamp.visibility & kSurfaceRays) != 0;
+    return (lamp.visibility & ray_kind) != 0;
+}
+
+/// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
+inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, std::uint32_t ray_kind, int bounces,
+                                                 PathSampler& sampler) {
+    const LightSet& lights = scene.lights();
+    if (lights.empty()) return std::nullopt;
+    const Vec2f choice = sampler.next2(), u = sampler.next2();
+    float probability = 0;
+    const auto number = lights.select(p, choice.x, probability);
+    if (!number) return std::nullopt;
+    DirectSample out;
+    if (lights.kind(*number) == LightSet::Kind::lamp) {
+        const Lamp& lamp = lights.lamp(*number);
+        if (!lamp_seen_from(lamp, ray_kind) || bounces > lamp.max_bounces) return std::nullopt;
+        const auto s = lamp.sample(p, u);
+        if (!s) return std::nullopt;
+        out.light = *s;
+        out.cast_shadow = lamp.cast_shadow;
+    } else if (lights.kind(*number) == LightSet::Kind::mesh) {
+        const MeshLight& mesh = lights.mesh(*number);
+        const auto s = mesh.sample(p, choice.y, u);
+        if (!s || (mesh.instance().visibility & ray_kind) == 0) return std::nullopt;
+        out.light = s->light;
+        Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y, s->barycentric.z};
+        const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
+        out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
+        out.light.distance *= 1 - 1e-4f;  // stops short of the emitter itself
+    } else {
+        const EnvironmentLight::Sample s = lights.world()->sample(u);
+        out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};
+    }
+    if (!(out.light.pdf > 0) || is_zero(out.light.Li)) return std::nullopt;
+    out.light.pdf *= probability;
+    return out;
+}
+
+/// Transmittance from p (already off its surface) to the light: surfaces, then media.
+inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, const DirectSample& direct,
+                                PathSampler& sampler, Workspace& ws) {
+    const Ray ray{p, direct.light.wi, 0, direct.light.distance};
+    if (!direct.cast_shadow) return Rgb(1);
+    ++ws.counters.rays;
+    Rgb T = scene.surface_transmittance(ray);
+    if (is_zero(T) || !scene.features().media) return T;
+    scene.find_media(ray, kShadowRay, ws.shadow);
+    return T * estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global, sampler.rng(), ws.counters);
+}
+
+}  // namespace nephele

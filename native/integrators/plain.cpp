@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The plain twin: brute-force path tracing, written to be obviously right rather than fast. One colour channel per path, analog
+// delta tracking against one global majorant, true trilinear lookups, no light sampling, no MIS, no roulette, independent
+// random numbers. Light is found by running into it, so lamps without size are not for this integrator.
+#include <stdexcept>
+
+#include "integrators/integrator.h"
+#include "phase/henyey_greenstein.h"
+
+namespace nephele {
+
+namespace {
+
+struct Collision {
+    enum class What { none, scattered, absorbed } what = What::none;
+    float t = 0, g = 0;
+};
+
+/// Density of a medium, by its true trilinear filter.
+float density(const Medium& m, Vec3f p, Counters& counters) {
+    if (!m.density) return 1;
+    counters.density_lookups += 8;
+    return m.density->grid->trilinear(m.density->index_from_world.point(p));
+}
+
+float global_majorant(const Medium& m, int channel) {
+    return m.sigma_t[channel] * (m.density ? m.density->majorants->global_majorant() : 1);
+}
+
+/// Woodcock tracking of one channel through all media of the segment. Emission is gathered per step.
+Collision collide(const Segment& segment, int channel, Rng& rng, Counters& counters, float& emitted) {
+    float majorant = 0, begin = kInfinity, end = 0;
+    for (const Interval& i : segment.intervals) {
+        majorant += global_majorant(*i.medium, channel);
+        begin = std::min(begin, i.t0);
+        end = std::max(end, i.t1);
+    }
+    for (float t = begin; t < end;) {
+        const float next = majorant > 0 ? t + rng.next_exponential() / majorant : kInfinity;
+        float sigma_t = 0, sigma_s = 0, g = 0;
+        for (const Interval& i : segment.intervals) {
+            const float overlap = std::min(next, i.t1) - std::max(t, i.t0);
+            if (overlap > 0 && overlap < kInfinity) emitted += i.medium->emission[channel] * overlap;
+            if (next < i.t0 || next > i.t1) continue;
+            const float d = density(*i.medium, segment.ray.at(next), counters);
+            sigma_t += d * i.medium->sigma_t[channel];
+            const float s = d * i.medium->sigma_s[channel];
+            sigma_s += s;
+            if (s > 0 && rng.next() * sigma_s < s) g = i.medium->g;
+        }
+        if (next >= end) break;
+        t = next;
+        const float u = rng.next() * majorant;
+        if (u < sigma_s) return {Collision::What::scattered, t, g};
+        if (u < sigma_t) return {Collision::What::absorbed, t, 0};
+    }
+    return {};
+}
+
+}  // namespace
+
+PixelSample sample_plain(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& camera_ray,
+                         PathSampler& sampler, Workspace& ws) {
+    Rng& rng = sampler.rng();
+    const int channel = std::min(static_cast<int>(rng.next() * 3), 2);
+    PixelSample out;
+    Ray ray = camera_ray;
+    std::uint32_t kind = kCameraRay;
+    float beta = 3;  // one channel of three
+    int surface_bounces = 0, volume_bounces = 0;
+    bool volume_first = false;
+    const auto add = [&](float light) { (volume_first ? out.volume : out.surface)[channel] += beta * light; };
+    for (;;) {
+        ++ws.counters.rays;
+        const int bounces = surface_bounces + volume_bounces;
+        const Hit hit = scene.intersect(ray, kind);
+        const float end = std::min(hit.t, ray.t_max);
+        if (bounces > 0) {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
+            scene.lights().for_each_lamp_hit({ray.o, ray.d, ray.t_min, end}, [&](std::uint32_t number, const LightHit& lamp) {
+                if ((scene.lights().lamp(number).visibility & kind) == 0) return;
+                float ignored = 0;
+                scene.find_media({ray.o, ray.d, ray.t_min, lamp.distance}, kind, ws.shadow);
+                if (collide(ws.shadow, channel, rng, ws.counters, ignored).what == Collision::What::none) add(lamp.Le[channel]);
+            });
+        }
+        scene.find_media({ray.o, ray.d, ray.t_min, end}, kind, ws.segment);
+        float emitted = 0;
+        const Collision collision = collide(ws.segment, channel, rng, ws.counters, emitted);
+        (bounces == 0 || volume_first ? out.volume : out.surface)[channel] += beta * emitted;
+        if (collision.what == Collision::What::absorbed) break;
+        if (collision.what == Collision::What::scattered) {
+            if (bounces == 0) volume_first = true;
+            if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces) break;
+            ++volume_bounces;
+            ray = {ray.at(collision.t), HenyeyGreenstein{collision.g}.sample(-ray.d, rng.next2())};
+            kind = kVolumeRay;
+            continue;
+        }
+        if (!hit.valid()) {
+            if (bounces == 0 && request.transparent_film) {
+                out.alpha = 0;
+            } else {
+                add(scene.background(ray.d, kind)[channel]);
+            }
+            break;
+        }
+        const ShadingPoint point = scene.shading_point(hit, ray, kind);
+        const Bsdf bsdf = make_bsdf(scene.program_of(point), point, scene.textures());
+        add(bsdf.emission[channel]);
+        const auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
+        if (!sample) break;
+        beta *= sample->weight[channel];
+        if (beta == 0) break;
+        const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
+        ray = {o, sample->wi};
+        if (sample->kind == 0) continue;
+        if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces) break;
+        ++surface_bounces;
+        kind = sample->kind;
+    }
+    return out;
+}
+
+}  // namespace nephele

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A lamp of any kind. A new kind of lamp is its own header plus one name in the variant and one line in `prepare_lamp`.
+#pragma once
+
+#include <variant>
+
+#include "lights/area.h"
+#include "lights/point.h"
+#include "lights/spot.h"
+#include "lights/sun.h"
+
+namespace nephele {
+
+using AnyLight = std::variant<PointLight, SpotLight, SunLight, AreaLight>;
+
+struct Lamp {
+    std::string name;
+    AnyLight light;
+    std::uint32_t visibility = ~1u;  ///< bits of RayKind: rays that see it when they hit it
+    bool cast_shadow = true;         ///< false: nothing blocks it
+    int max_bounces = 1024;
+
+    std::optional<LightSample> sample(Vec3f p, Vec2f u) const {
+        return std::visit([&](const auto& l) { return l.sample(p, u); }, light);
+    }
+    float pdf(Vec3f p, Vec3f wi) const {
+        return std::visit([&](const auto& l) { return l.pdf(p, wi); }, light);
+    }
+    std::optional<LightHit> intersect(const Ray& ray) const {
+        return std::visit([&](const auto& l) { return l.intersect(ray); }, light);
+    }
+    float importance(Vec3f p) const {
+        return std::visit([&](const auto& l) { return l.importance(p); }, light);
+    }
+    Rgb power() const {
+        return std::visit([](const auto& l) { return l.power(); }, light);
+    }
+    bool delta() const {
+        return std::visit([](const auto& l) { return l.delta(); }, light);
+    }
+    /// Its light does not thin out with distance: suns and parallel beams.
+    bool infinite() const {
+        const auto* area = std::get_if<AreaLight>(&light);
+        return std::holds_alternative<SunLight>(light) || (area && area->delta());
+    }
+};
+
+/// Checks the values and derives the rest. Throws std::invalid_argument naming the lamp and the fault.
+Lamp prepare_lamp(const LampDescription& description);
+
+/// Where a lamp of finite size is, and its largest radiant intensity (far from it the fluence rate is intensity / d^2).
+struct LightBounds {
+    Vec3f lower, upper;
+    float intensity = 0;
+};
+LightBounds bounds_of(const AnyLight& light);
+
+}  // namespace nephele

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lights/light_set.h"
+
+#include <array>
+
+namespace nephele {
+
+LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes, std::shared_ptr<const EnvironmentLight> world)
+    : lamps_(std::move(lamps)), meshes_(std::move(meshes)), world_(std::move(world)) {
+    std::vector<std::uint32_t> finite;
+    std::vector<LightBounds> bounds;
+    for (std::uint32_t i = 0; i < lamps_.size(); ++i) {
+        if (is_zero(lamps_[i].power())) continue;
+        if (lamps_[i].infinite()) {
+            direct_.push_back(i);
+        } else {
+            finite.push_back(i);
+            bounds.push_back(bounds_of(lamps_[i].light));
+        }
+    }
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        if (meshes_[i].empty()) continue;
+        finite.push_back(mesh_number(i));
+        bounds.push_back({meshes_[i].lower(), meshes_[i].upper(), meshes_[i].intensity()});
+    }
+    if (world_ && !world_->black()) direct_.push_back(world_number());
+
+    if (finite.size() > kListSize) {
+        tree_ = LightTree(finite, bounds);
+        in_tree_.assign(size(), false);
+        for (const std::uint32_t i : finite) in_tree_[i] = true;
+    } else {
+        direct_.insert(direct_.end(), finite.begin(), finite.end());
+    }
+    for (const std::uint32_t i : direct_) {
+        if (kind(i) == Kind::lamp && !lamps_[i].delta()) hittable_.push_back(i);
+    }
+}
+
+float LightSet::importance(std::uint32_t light, Vec3f p) const {
+    switch (kind(light)) {
+        case Kind::lamp: return lamp(light).importance(p);
+        case Kind::mesh: return mesh(light).importance(p);
+        case Kind::world: return world_->importance();
+    }
+    return 0;
+}
+
+std::optional<std::uint32_t> LightSet::select(Vec3f p, float u, float& probability) const {
+    // Weights of the first lights are kept; more than kStored lights at infinity are weighed twice instead.
+    constexpr std::size_t kStored = 2 * kListSize;
+    std::array<float, kStored> stored;
+    double sum = tree_.importance(p);
+    const double tree_weight = sum;
+    for (std::size_t i = 0; i < direct_.size(); ++i) {
+        const float w = importance(direct_[i], p);
+        if (i < kStored) stored[i] = w;
+        sum += w;
+    }
+    if (!(sum > 0)) return std::nullopt;
+
+    double rest = u * sum;
+    if (rest < tree_weight) {
+        const auto choice =
+            tree_.select(p, rest / tree_weight, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+        if (!choice) return std::nullopt;
+        probability = static_cast<float>(choice->probability * (tree_weight / sum));
+        return choice->light;
+    }
+    rest -= tree_weight;
+    std::size_t chosen = direct_.size();
+    double chosen_weight = 0;
+    for (std::size_t i = 0; i < direct_.size(); ++i) {
+        const double w = i < kStored ? stored[i] : importance(direct_[i], p);
+        if (w > 0) {  // rounding at the end of the list stays on a light with a chance
+            chosen = i;
+            chosen_weight = w;
+        }
+        if (rest < w) break;
+        rest -= w;
+    }
+    if (chosen == direct_.size()) return std::nullopt;
+    probability = static_cast<float>(chosen_weight / sum);
+    return direct_[chosen];
+}
+
+float LightSet::selection_pdf(Vec3f p, std::uint32_t light) const {
+    const double tree_weight = tree_.importance(p);
+    double sum = tree_weight;
+    bool listed = false;
+    for (const std::uint32_t i : direct_) {
+        sum += importance(i, p);
+        listed |= i == light;
+    }
+    if (!(sum > 0)) return 0;
+    if (listed) return static_cast<float>(importance(light, p) / sum);
+    if (light >= in_tree_.size() || !in_tree_[light]) return 0;
+    const float within = tree_.probability(p, light, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+    return static_cast<float>(within * (tree_weight / sum));
+}
+
+}  // namespace nephele

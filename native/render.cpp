@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The story of a render on one page: passes of ever more samples over all tiles, until enough, out of time or cancelled.
+#include "render.h"
+
+#include <ctime>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace nephele {
+
+namespace {
+
+constexpr int kTileSize = 32;
+constexpr int kLargestPass = 16;  // samples per pixel between two looks at the clock's bigger picture
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+double thread_cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+PixelFilter::Kind filter_kind(Settings::PixelFilter kind) {
+    switch (kind) {
+        case Settings::PixelFilter::box: return PixelFilter::Kind::box;
+        case Settings::PixelFilter::gaussian: return PixelFilter::Kind::gaussian;
+        case Settings::PixelFilter::blackman_harris: break;
+    }
+    return PixelFilter::Kind::blackman_harris;
+}
+
+void check_plain(const Settings& settings, const Scene& scene) {
+    if (settings.integrator != Settings::Integrator::plain) return;
+    for (const Lamp& lamp : scene.lights().lamps()) {
+        if (lamp.delta()) {
+            throw std::invalid_argument("light '" + lamp.name + "' has no size, so the plain integrator can never find it; " +
+                                        "give it a radius or angle, or use integrator = path");
+        }
+    }
+}
+
+}  // namespace
+
+Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource frame)
+    : scene_(std::move(scene)), settings_(settings), frame_(std::move(frame)),
+      film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes),
+      filter_(filter_kind(settings.pixel_filter), settings.filter_width),
+      kernel_(choose_kernel(settings, scene_->features())) {
+    check_plain(settings_, *scene_);
+    const auto any = [&](std::initializer_list<PassId> passes) {
+        return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
+    };
+    request_.transmittance = any({PassId::transmittance});
+    request_.features = any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
+    request_.transparent_film = frame_.transparent;
+}
+
+Render::~Render() {
+    cancel();
+    if (thread_.joinable()) thread_.join();
+}
+
+void Render::start() {
+    if (state_ != State::idle) throw std::logic_error("this render has been started before; make a new one");
+    state_ = State::running;
+    start_ = Clock::now();
+    thread_ = std::thread([this] { run(); });
+}
+
+void Render::run() {
+    State end = State::done;
+    try {
+        const int threads = settings_.threads > 0 ? settings_.threads : tbb::task_arena::automatic;
+        tbb::task_arena arena(threads);
+        int done = lowest_count();
+        samples_done_ = done;
+        for (int size = 1; done < settings_.samples && !must_stop(); size = std::min(2 * size, kLargestPass)) {
+            const int target = std::min(done + size, settings_.samples);
+            arena.execute([&] { render_pass(target); });
+            done = lowest_count();
+            samples_done_ = done;
+        }
+        if (cancelled_) end = State::cancelled;
+    } catch (...) {
+        failure_ = std::current_exception();  // rethrown by wait()
+        end = State::failed;
+    }
+    const std::lock_guard lock(mutex_);
+    statistics_.render_seconds = seconds_since(start_);
+    state_ = end;
+    finished_.notify_all();
+}
+
+bool Render::wait(double seconds) {
+    std::unique_lock lock(mutex_);
+    finished_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return state_ != State::running; });
+    if (state_ == State::failed) std::rethrow_exception(failure_);
+    return state_ != State::running;
+}
+
+void Render::render_pass(int target) {
+    const int columns = (film_.width() + kTileSize - 1) / kTileSize, rows = (film_.height() + kTileSize - 1) / kTileSize;
+    tbb::parallel_for(0, columns * rows, [&](int tile) { render_tile(tile, target); });
+}
+
+void Render::render_tile(int tile, int target) {
+    const double cpu = thread_cpu_seconds();
+    Workspace ws;
+    const int columns = (film_.width() + kTileSize - 1) / kTileSize;
+    const int x0 = tile % columns * kTileSize, y0 = tile / columns * kTileSize;
+    for (int y = y0; y < std::min(y0 + kTileSize, film_.height()); ++y) {
+        for (int x = x0; x < std::min(x0 + kTileSize, film_.width()); ++x) {
+            if (must_stop()) break;
+            render_pixel(x, y, target, ws);
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    statistics_.rays += ws.counters.rays;
+    statistics_.density_lookups += ws.counters.density_lookups;
+    statistics_.nonfinite_samples += ws.nonfinite_samples;
+    statistics_.render_cpu_seconds += thread_cpu_seconds() - cpu;
+    if (statistics_.first_tile_seconds == 0) statistics_.first_tile_seconds = seconds_since(start_);
+}
+
+void Render::render_pixel(int x, int y, int target, Workspace& ws) {
+    const auto first = film_.count(x, y);
+    for (std::uint32_t i = first; i < static_cast<std::uint32_t>(target) && !cancelled_; ++i) {
+        film_.add(x, y, take_sample(x, y, i, ws), settings_.film_exposure);
+    }
+    samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);
+}
+
+PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws) const {
+    const int fx = x + frame_.x0, fy = y + frame_.y0;
+    const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) + static_cast<std::uint32_t>(fx);
+    PathSampler sampler(settings_.sampler == Settings::Sampler::sobol, static_cast<std::uint64_t>(settings_.seed), pixel, index);
+    const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
+    const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
+    const Ray ray = scene_->camera().generate(position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)});
+    const std::uint64_t lookups = ws.counters.density_lookups;
+    PixelSample s = kernel_(*scene_, settings_, request_, ray, sampler, ws);
+    s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
+    s.mist = mist_at(s.depth);
+    if (!is_finite(s.volume + s.surface)) {
+        ++ws.nonfinite_samples;
+        s.volume = s.surface = s.emission = Rgb(0);
+    }
+    const float largest = max_component(s.volume + s.surface);
+    if (settings_.clamp > 0 && largest > settings_.clamp) {
+        s.volume *= settings_.clamp / largest;
+        s.surface *= settings_.clamp / largest;
+    }
+    return s;
+}
+
+float Render::mist_at(float depth) const {
+    const float x = clamp01((depth - frame_.mist_start) / std::max(frame_.mist_depth, 1e-6f));
+    switch (frame_.mist_falloff) {
+        case FilmSource::MistFalloff::linear: return x;
+        case FilmSource::MistFalloff::quadratic: return x * x;
+        case FilmSource::MistFalloff::inverse_quadratic: break;
+    }
+    return std::sqrt(x);
+}
+
+bool Render::must_stop() const {
+    return cancelled_ || (settings_.time_limit > 0 && samples_done_ > 0 && seconds() > static_cast<double>(settings_.time_limit));
+}
+
+int Render::lowest_count() const {
+    std::uint32_t lowest = ~0u;
+    for (int y = 0; y < film_.height(); ++y) {
+        for (int x = 0; x < film_.width(); ++x) lowest = std::min(lowest, film_.count(x, y));
+    }
+    return static_cast<int>(lowest);
+}
+
+double Render::fraction() const {
+    const double all = static_cast<double>(settings_.samples) * film_.width() * film_.height();
+    return std::min(1.0, static_cast<double>(samples_taken_) / all);
+}
+
+double Render::seconds() const {
+    if (state_ == State::idle) return 0;
+    return state_ == State::running ? seconds_since(start_) : statistics().render_seconds;
+}
+
+RenderStatistics Render::statistics() const {
+    const std::lock_guard lock(mutex_);
+    return statistics_;
+}
+
+void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
+    if (state_ != State::idle) throw std::logic_error("restore a checkpoint before the render starts");
+    film_.restore(saved);
+    std::uint64_t taken = 0;
+    for (const double n : saved.at("sample_count")) taken += static_cast<std::uint64_t>(n);
+    samples_taken_ = taken;
+}
+
+}  // namespace nephele

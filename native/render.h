@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A render: takes a scene and settings, fills a film on all threads, can be watched and cancelled meanwhile.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <condition_variable>
+#include <thread>
+
+#include "film/film.h"
+#include "integrators/integrator.h"
+#include "scene/pixel_filter.h"
+#include "scene/scene.h"
+
+namespace nephele {
+
+/// The frame and the part of it that is rendered. Row 0 is the bottom row; x1 and y1 are exclusive.
+struct FilmSource {
+    int width = 0, height = 0;
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    bool transparent = false;
+    std::vector<PassId> passes;
+    float mist_start = 5, mist_depth = 25;
+    enum class MistFalloff { linear, quadratic, inverse_quadratic } mist_falloff = MistFalloff::quadratic;
+};
+
+struct RenderStatistics {
+    std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0;
+    double render_seconds = 0;      ///< wall clock
+    double render_cpu_seconds = 0;  ///< of all render threads
+    double first_tile_seconds = 0;  ///< from start to the first finished tile, wall clock
+};
+
+class Render {
+public:
+    enum class State { idle, running, done, cancelled, failed };
+
+    Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource film);
+    /// Cancels and waits.
+    ~Render();
+
+    /// Begins on threads of its own and returns at once.
+    void start();
+    /// True once finished, however it ended; rethrows what a render thread threw.
+    bool wait(double seconds);
+    void cancel() { cancelled_ = true; }
+
+    State state() const { return state_; }
+    /// Samples that every pixel has.
+    int samples_done() const { return samples_done_; }
+    /// Share of all samples taken, in [0, 1].
+    double fraction() const;
+    double seconds() const;
+    const Film& film() const { return film_; }
+    const FilmSource& frame() const { return frame_; }
+    RenderStatistics statistics() const;
+    /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do not fit.
+    void restore(const std::map<std::string, std::vector<double>>& saved);
+
+private:
+    void run();
+    void render_pass(int target);
+    void render_tile(int tile, int target);
+    void render_pixel(int x, int y, int target, Workspace& ws);
+    PixelSample take_sample(int x, int y, std::uint32_t index, Workspace& ws) const;
+    bool must_stop() const;
+    int lowest_count() const;
+    float mist_at(float depth) const;
+
+    std::shared_ptr<const Scene> scene_;
+    Settings settings_;
+    FilmSource frame_;
+    Film film_;
+    PixelFilter filter_;
+    SampleRequest request_;
+    SampleFunction kernel_;
+
+    std::thread thread_;
+    std::atomic<State> state_{State::idle};
+    std::atomic<bool> cancelled_{false};
+    std::atomic<int> samples_done_{0};
+    std::atomic<std::uint64_t> samples_taken_{0};
+    std::chrono::steady_clock::time_point start_;
+    std::exception_ptr failure_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable finished_;
+    RenderStatistics statistics_;
+};
+
+}  // namespace nephele

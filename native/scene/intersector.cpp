@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/intersector.h"
+
+#if NEPHELE_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <atomic>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+namespace nephele {
+
+namespace {
+
+#if NEPHELE_EMBREE_MAJOR >= 4
+using QueryContext = RTCRayQueryContext;
+#else
+using QueryContext = RTCIntersectContext;
+#endif
+
+/// What the callbacks need; the Embree context comes first, so that its address is ours.
+struct Query {
+    QueryContext context;
+    HitFilter* filter;
+    const std::vector<bool>* flipped;
+};
+
+Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
+    const bool instanced = hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+    return {ray.tfar, instanced ? hit.instID[0] : hit.geomID, hit.primID, hit.u, hit.v};
+}
+
+void run_filter(const RTCFilterFunctionNArguments* args) {
+    if (args->valid[0] == 0) return;
+    const auto& query = *reinterpret_cast<const Query*>(args->context);
+    const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+    const Hit found = hit_of(ray, hit);
+    const bool front = ray.dir_x * hit.Ng_x + ray.dir_y * hit.Ng_y + ray.dir_z * hit.Ng_z < 0;
+    if (!query.filter->accept(found, front != (*query.flipped)[found.instance])) args->valid[0] = 0;
+}
+
+RTCRay rtc_ray(const Ray& r) {
+    RTCRay ray{};
+    ray.org_x = r.o.x, ray.org_y = r.o.y, ray.org_z = r.o.z;
+    ray.dir_x = r.d.x, ray.dir_y = r.d.y, ray.dir_z = r.d.z;
+    ray.tnear = r.t_min;
+    ray.tfar = r.t_max;
+    ray.mask = ~0u;
+    return ray;
+}
+
+Query query_of(HitFilter* filter, const std::vector<bool>& flipped) {
+    Query query{};
+#if NEPHELE_EMBREE_MAJOR >= 4
+    rtcInitRayQueryContext(&query.context);
+#else
+    rtcInitIntersectContext(&query.context);
+#endif
+    query.filter = filter;
+    query.flipped = &flipped;
+    return query;
+}
+
+void check(RTCDevice device, const char* what) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error != RTC_ERROR_NONE) {
+        throw std::runtime_error(std::string("Embree failed to ") + what + " (error " +
+                                 std::to_string(static_cast<int>(error)) + ", 4 is out of memory)");
+    }
+}
+
+}  // namespace
+
+struct Intersector::Impl {
+    RTCDevice device = nullptr;
+    RTCScene top = nullptr;
+    std::vector<RTCScene> shared;  ///< one per mesh that several instances use
+    std::atomic<std::ptrdiff_t> memory{0};
+    std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
+    std::vector<bool> flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
+
+    Impl() : device(rtcNewDevice(nullptr)) {
+        if (device == nullptr) throw std::runtime_error("Embree could not be started");
+        const auto monitor = [](void* self, ssize_t bytes, bool) {
+            static_cast<Impl*>(self)->memory += bytes;
+            return true;
+        };
+        rtcSetDeviceMemoryMonitorFunction(device, monitor, this);
+        top = new_scene();
+    }
+    ~Impl() {
+        for (RTCScene s : shared) rtcReleaseScene(s);
+        if (top != nullptr) rtcReleaseScene(top);
+        rtcReleaseDevice(device);
+    }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    RTCScene new_scene() {
+        RTCScene scene = rtcNewScene(device);
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST
+#if NEPHELE_EMBREE_MAJOR < 4
+                                    | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+#endif
+        );
+        return scene;
+    }
+
+    RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        if (vertices == mesh.positions.data()) {
+            // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array: copy.
+            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, vertex_count);
+            if (copy != nullptr) std::copy(vertices, vertices + 3 * vertex_count, static_cast<float*>(copy));
+        } else {
+            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, 12, vertex_count);
+        }
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0, 12,
+                                   mesh.triangle_count());
+#if NEPHELE_EMBREE_MAJOR >= 4
+        rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
+#endif
+        return geometry;
+    }
+
+    /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance would.
+    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object) {
+        const std::size_t count = mesh.positions.size() / 3;
+        std::vector<float>& out = placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
+        for (std::size_t i = 0; i < count; ++i) {
+            const float* p = mesh.positions.data() + 3 * i;
+            const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
+            out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
+        }
+        return triangles(mesh, out.data(), count);
+    }
+
+    RTCGeometry instance(RTCScene scene, const Transform& m) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, scene);
+        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x, m.row[1].x, m.row[1].y,
+                                m.row[1].z, m.translation.y, m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+        return geometry;
+    }
+
+    static void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id);
+        rtcReleaseGeometry(geometry);
+    }
+};
+
+Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
+                         std::span<const std::uint32_t> used)
+    : impl_(std::make_unique<Impl>()), empty_(used.empty()) {
+    std::map<std::uint32_t, int> uses;
+    for (const std::uint32_t i : used) ++uses[instances[i].mesh];
+    std::map<std::uint32_t, RTCScene> shared;
+    impl_->flipped.resize(instances.size());
+    for (const std::uint32_t i : used) {
+        const Instance& instance = instances[i];
+        const Mesh& mesh = meshes[instance.mesh];
+        if (uses[instance.mesh] == 1) {
+            impl_->flipped[i] = instance.mirrored();
+            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object), i);
+            continue;
+        }
+        RTCScene& scene = shared[instance.mesh];
+        if (scene == nullptr) {
+            scene = impl_->shared.emplace_back(impl_->new_scene());
+            Impl::attach(scene, impl_->triangles(mesh, mesh.positions.data(), mesh.positions.size() / 3), 0);
+            rtcCommitScene(scene);
+        }
+        Impl::attach(impl_->top, impl_->instance(scene, instance.world_from_object), i);
+    }
+    rtcCommitScene(impl_->top);
+    check(impl_->device, "build the ray tracing hierarchy");
+}
+
+Intersector::~Intersector() = default;
+
+std::size_t Intersector::bytes() const { return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->memory, 0)); }
+
+Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
+    Query query = query_of(filter, impl_->flipped);
+    RTCRayHit rh;
+    rh.ray = rtc_ray(ray);
+    rh.hit.geomID = rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if NEPHELE_EMBREE_MAJOR >= 4
+    RTCIntersectArguments args;
+    rtcInitIntersectArguments(&args);
+    args.context = &query.context;
+    args.filter = filter != nullptr ? run_filter : nullptr;
+    rtcIntersect1(impl_->top, &rh, &args);
+#else
+    query.context.filter = filter != nullptr ? run_filter : nullptr;
+    rtcIntersect1(impl_->top, &query.context, &rh);
+#endif
+    return rh.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : hit_of(rh.ray, rh.hit);
+}
+
+bool Intersector::occluded(const Ray& ray, HitFilter* filter) const {
+    Query query = query_of(filter, impl_->flipped);
+    RTCRay r = rtc_ray(ray);
+#if NEPHELE_EMBREE_MAJOR >= 4
+    RTCOccludedArguments args;
+    rtcInitOccludedArguments(&args);
+    args.context = &query.context;
+    args.filter = filter != nullptr ? run_filter : nullptr;
+    rtcOccluded1(impl_->top, &r, &args);
+#else
+    query.context.filter = filter != nullptr ? run_filter : nullptr;
+    rtcOccluded1(impl_->top, &query.context, &r);
+#endif
+    return r.tfar < 0;
+}
+
+void Intersector::self_test() {
+    const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0};
+    Mesh mesh;
+    mesh.positions = Buffer<float>(corners);
+    mesh.triangles = Buffer<std::int32_t>(std::vector<std::int32_t>{0, 1, 2});
+    Instance instance;
+    const std::uint32_t used = 0;
+    const Intersector scene({&mesh, 1}, {&instance, 1}, {&used, 1});
+    const auto version = rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_VERSION);
+    const Hit hit = scene.intersect({{0.25f, 0.25f, 1}, {0, 0, -1}});
+    if (version / 10000 != RTC_VERSION_MAJOR || !hit.valid() || std::fabs(hit.t - 1) > 1e-5f) {
+        throw std::runtime_error("the Embree library loaded by this process (version " + std::to_string(version) +
+                                 ") is not the one this module was built with (" RTC_VERSION_STRING
+                                 "); install the build of Nephele made for this Blender");
+    }
+    if (rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
+        throw std::runtime_error("this Embree library was built without filter functions; install one that has them");
+    }
+}
+
+}  // namespace nephele

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scene: immutable once built. `SceneSource` is what the bindings read from the description; `Scene` adds what rendering
+// needs: ray tracing hierarchies, grids with their majorants, light distributions.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lights/light_set.h"
+#include "media/medium.h"
+#include "media/segment.h"
+#include "scene/camera.h"
+#include "scene/intersector.h"
+#include "scene/mesh.h"
+#include "settings_table.h"
+#include "surfaces/bsdf.h"
+
+namespace nephele {
+
+/// One volume shader, as description.VolumeClosure has it.
+struct VolumeClosure {
+    Rgb sigma_s, sigma_a, emission;
+    float g = 0;
+    std::string density_grid;  ///< empty: 1 everywhere
+};
+
+struct Material {
+    std::string name;
+    std::optional<Program> surface;  ///< none: a pure volume boundary
+    std::vector<VolumeClosure> volume;
+};
+
+/// A VDB file placed in the world.
+struct VolumeSource {
+    std::string name, path;
+    double world_from_object[16];
+    std::uint32_t material = 0;
+    float density_scale = 1;
+    std::uint32_t visibility = ~0u;
+};
+
+struct WorldSource {
+    std::optional<Program> background;
+    std::vector<VolumeClosure> volume;
+    std::uint32_t visibility = ~0u;
+};
+
+struct SceneSource {
+    CameraDescription camera;
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<VolumeSource> volumes;
+    std::vector<Material> materials;
+    std::vector<Image> images;
+    std::vector<LampDescription> lamps;
+    WorldSource world;
+};
+
+/// What a scene holds, decided once: the integrator is specialised by it.
+struct SceneFeatures {
+    bool media = false;         ///< any region with a medium
+    bool grids = false;         ///< any medium scaled by a grid
+    bool mesh_media = false;    ///< any medium bounded by a mesh
+    bool overlap = false;       ///< more than one medium
+    bool chromatic = false;     ///< sigma_t differs between channels
+    bool volume_emission = false;
+    bool surfaces = false;
+    bool transparent_surfaces = false;  ///< shadow rays may pass surfaces
+    bool hidden_surfaces = false;       ///< some surface is not visible to some rays
+    bool lamps = false;
+    bool mesh_lights = false;
+    bool background = false;
+
+    /// Names of the features that are there (present) or left out.
+    std::vector<std::string> list(bool present) const;
+};
+
+/// A grid that was loaded, for statistics.
+struct GridUse {
+    std::string volume, path, grid;
+    std::size_t active_voxels = 0, bytes = 0;
+};
+
+class Scene {
+public:
+    /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at fault.
+    explicit Scene(SceneSource source);
+
+    const SceneFeatures& features() const { return features_; }
+    const Camera& camera() const { return *camera_; }
+    const LightSet& lights() const { return lights_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+    const std::vector<GridUse>& grids() const { return grids_; }
+    std::size_t hierarchy_bytes() const;
+
+    /// Nearest surface in the ray that rays of this kind see.
+    Hit intersect(const Ray& ray, std::uint32_t ray_kind) const;
+    /// Light that the surfaces along the ray let through; 0 where an opaque one is in the way.
+    Rgb surface_transmittance(const Ray& ray) const;
+    /// The media along the ray.
+    void find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const;
+
+    ShadingPoint shading_point(const Hit& hit, const Ray& ray, std::uint32_t ray_kind) const;
+    const Program* program_of(const ShadingPoint& point) const;
+    const TextureContext& textures() const { return textures_; }
+    /// Radiance of the background seen in direction d by rays of this kind.
+    Rgb background(Vec3f d, std::uint32_t ray_kind) const;
+    static constexpr std::uint32_t kNoLight = ~0u;
+    /// Number of the light that an instance's emissive triangles are, or kNoLight.
+    std::uint32_t light_of_instance(std::uint32_t instance) const { return mesh_light_of_instance_[instance]; }
+    /// Number of an instance of this scene.
+    std::uint32_t number_of(const Instance& instance) const {
+        return static_cast<std::uint32_t>(&instance - source_.instances.data());
+    }
+
+private:
+    struct SurfaceFilter;
+    struct TransmittanceFilter;
+    struct CrossingCollector;
+    std::int32_t material_of(const Hit& hit) const;
+    /// Whether the triangle has a surface shader that rays of this kind see.
+    bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
+    void add_meshes();
+    void add_volumes();
+    void add_lights();
+    /// Adds a region with one medium per closure; `field` scales those that name a grid.
+    void add_region(Region region, const std::vector<VolumeClosure>& closures, float scale,
+                    const std::optional<DensityField>& field);
+    void add_volume(const VolumeSource& volume);
+    std::vector<std::string> grids_to_load(const VolumeSource& volume);
+    void decide_features();
+
+    SceneSource source_;
+    std::vector<ProgramTraits> traits_;  ///< by material; the last entry is the default's
+    std::vector<Medium> media_;
+    std::vector<Region> regions_;
+    std::vector<std::uint32_t> region_of_instance_;  ///< of mesh regions; ~0 elsewhere
+    std::vector<std::uint32_t> mesh_light_of_instance_;
+    std::optional<Intersector> surfaces_, boundaries_;
+    std::optional<Camera> camera_;
+    LightSet lights_;
+    TextureContext textures_;
+    SceneFeatures features_;
+    std::vector<std::string> warnings_;
+    std::vector<GridUse> grids_;
+};
+
+}  // namespace nephele

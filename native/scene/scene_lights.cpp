@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lights of a scene, and the features that specialise the integrator.
+#include <algorithm>
+
+#include "scene/naming.h"
+#include "scene/scene.h"
+
+namespace nephele {
+
+namespace {
+
+/// Cells of the world's sampling grid, by the largest image behind it.
+std::pair<int, int> world_resolution(const Program& program, const std::vector<Image>& images) {
+    int width = 256, height = 128;
+    for (const Instruction& i : program.code) {
+        if (i.op != static_cast<int>(Op::environment) && i.op != static_cast<int>(Op::environment_mirror_ball)) continue;
+        const Image& image = images[static_cast<std::size_t>(program.parameters[static_cast<std::size_t>(i.parameter)])];
+        width = std::clamp(image.width, width, 4096);
+        height = std::clamp(image.height, height, 2048);
+    }
+    return {width, height};
+}
+
+}  // namespace
+
+void Scene::add_lights() {
+    std::vector<Lamp> lamps;
+    for (const LampDescription& d : source_.lamps) lamps.push_back(prepare_lamp(d));
+
+    std::vector<MeshLight> mesh_lights;
+    mesh_light_of_instance_.assign(source_.instances.size(), kNoLight);
+    for (std::size_t i = 0; i < source_.instances.size(); ++i) {
+        const Instance& instance = source_.instances[i];
+        const Mesh& mesh = source_.meshes[instance.mesh];
+        std::vector<float> radiance(source_.materials.size(), 0.0f);  // estimate, by material
+        bool emits = false;
+        for (const std::int32_t m : instance.materials) {
+            if (m < 0 || !traits_[static_cast<std::size_t>(m)].emissive) continue;
+            const auto& known = traits_[static_cast<std::size_t>(m)].constant_emission;
+            radiance[static_cast<std::size_t>(m)] = known ? luminance(*known) : 1.0f;
+            emits |= radiance[static_cast<std::size_t>(m)] > 0;
+        }
+        if (!emits) continue;
+        std::vector<float> of_triangle(mesh.triangle_count());
+        for (std::uint32_t t = 0; t < of_triangle.size(); ++t) {
+            const std::int32_t m = instance.material_of(mesh, t);
+            of_triangle[t] = m < 0 ? 0 : radiance[static_cast<std::size_t>(m)];
+        }
+        mesh_light_of_instance_[i] = static_cast<std::uint32_t>(lamps.size() + mesh_lights.size());
+        mesh_lights.emplace_back(mesh, instance, of_triangle);
+    }
+
+    std::shared_ptr<const EnvironmentLight> world;
+    if (source_.world.background) {
+        const auto [width, height] = world_resolution(*source_.world.background, source_.images);
+        naming("world", [&] {
+            world = std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); }, width, height);
+        });
+    }
+    lights_ = LightSet(std::move(lamps), std::move(mesh_lights), std::move(world));
+}
+
+void Scene::decide_features() {
+    SceneFeatures& f = features_;
+    for (const Region& r : regions_) f.mesh_media |= r.kind == Region::Kind::mesh;
+    for (const Medium& m : media_) {
+        f.grids |= m.density.has_value();
+        f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
+        f.volume_emission |= !is_zero(m.emission);
+    }
+    f.media = !media_.empty();
+    f.overlap = media_.size() > 1;
+    f.surfaces = !surfaces_->empty();
+    for (const Instance& instance : source_.instances) {
+        f.hidden_surfaces |= (~instance.visibility & 0x3fu) != 0;
+        for (const std::int32_t m : instance.materials) {
+            if (m < 0) continue;
+            f.hidden_surfaces |= !source_.materials[static_cast<std::size_t>(m)].surface;
+            f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
+        }
+    }
+    f.lamps = !lights_.lamps().empty();
+    f.mesh_lights = !lights_.meshes().empty();
+    f.background = lights_.world() != nullptr && !lights_.world()->black();
+}
+
+namespace {
+
+struct FeatureName {
+    const char* name;
+    bool SceneFeatures::*flag;
+};
+constexpr FeatureName kFeatureNames[] = {
+    {"media", &SceneFeatures::media},
+    {"grids", &SceneFeatures::grids},
+    {"mesh media", &SceneFeatures::mesh_media},
+    {"overlap", &SceneFeatures::overlap},
+    {"chromatic", &SceneFeatures::chromatic},
+    {"volume emission", &SceneFeatures::volume_emission},
+    {"surfaces", &SceneFeatures::surfaces},
+    {"transparent surfaces", &SceneFeatures::transparent_surfaces},
+    {"hidden surfaces", &SceneFeatures::hidden_surfaces},
+    {"lamps", &SceneFeatures::lamps},
+    {"mesh lights", &SceneFeatures::mesh_lights},
+    {"background", &SceneFeatures::background},
+};
+
+}  // namespace
+
+std::vector<std::string> SceneFeatures::list(bool present) const {
+    std::vector<std::string> names;
+    for (const FeatureName& f : kFeatureNames) {
+        if (this->*f.flag == present) names.emplace_back(f.name);
+    }
+    return names;
+}
+
+}  // namespace nephele

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The BSDF of one shading point: the lobes that a shading program's closures stand for, mixed by weight. Built on the
+// stack, without heap. Directions are unit vectors in world space that point away from the surface; wo is the one that
+// the BSDF was made for.
+#pragma once
+
+#include <optional>
+#include <type_traits>
+
+#include "base/surface.h"
+#include "surfaces/lobes.h"
+#include "surfaces/program.h"
+
+namespace nephele {
+
+class Bsdf {
+public:
+    explicit Bsdf(const ShadingPoint& point) : ng_(point.ng) {}
+
+    Rgb emission;      ///< radiance that leaves along wo
+    Rgb transparency;  ///< weight of the straight-through lobe (Transparent BSDF, alpha)
+
+    /// Whether any lobe is neither specular nor straight-through, so that light sampling can serve it.
+    bool has_smooth() const { return has_smooth_; }
+
+    /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid angle; it holds
+    /// the probability of choosing each smooth lobe among all lobes, specular and straight-through ones included.
+    Rgb eval(Vec3f wo, Vec3f wi, float& pdf) const;
+
+    /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps its kind
+    /// and has not bounced. Returns nothing where the chosen lobe absorbs.
+    std::optional<BsdfSample> sample(Vec3f wo, float lobe_u, Vec2f u) const;
+
+    /// Directional albedo (estimated for the rough lobes), without the straight-through share.
+    Rgb albedo(Vec3f wo) const;
+
+    /// Adds a lobe around the unit normal n. Building only; call finish() after the last.
+    void add(const LobeModel& model, Rgb weight, Vec3f n);
+    /// Sets the probabilities of choosing each lobe, by their albedos.
+    void finish(Vec3f wo);
+
+private:
+    struct Lobe {
+        Frame frame;
+        Rgb weight;
+        float probability = 0;
+        LobeModel model;
+    };
+    const Lobe& lobe(int i) const { return reinterpret_cast<const Lobe*>(storage_)[i]; }
+    Lobe& lobe(int i) { return reinterpret_cast<Lobe*>(storage_)[i]; }
+
+    Vec3f ng_;
+    int count_ = 0;
+    bool has_smooth_ = false;
+    float transparent_probability_ = 0;
+    static_assert(std::is_trivially_destructible_v<LobeModel>);
+    alignas(Lobe) std::byte storage_[kMaxLobes * sizeof(Lobe)];  // lobes 0 to count_ - 1 live here
+};
+
+/// Runs the program and builds its lobes. program: validated, or null for the default, grey diffuse 0.8.
+Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureContext& context);
+
+/// Radiance that leaves along wo, or that the background sends along -wo; no lobes are built.
+Rgb evaluate_emission(const Program& program, const ShadingPoint& point, const TextureContext& context);
+
+/// The emission of one closure.
+Rgb closure_emission(const ClosureRow& row, const RegisterFile& registers, const ShadingPoint& point);
+
+/// Share of light that goes straight through, for shadow rays; no lobes are built.
+Rgb evaluate_transparency(const Program& program, const ShadingPoint& point, const TextureContext& context);
+
+/// What a program can do at all, so that the integrator can skip the rest.
+struct ProgramTraits {
+    bool emissive = false;               ///< may emit
+    bool may_transmit_straight = false;  ///< has a transparent closure, or an alpha that may be below 1
+    bool has_surface_lobes = false;      ///< has a closure that scatters
+    bool constant = false;               ///< no code: the same everywhere
+    std::optional<Rgb> constant_emission;  ///< the emission, where it is the same at every point and direction
+};
+ProgramTraits traits_of(const Program& program);
+/// Traits of the default material, which has no program.
+inline ProgramTraits default_traits() { return {.has_surface_lobes = true, .constant = true, .constant_emission = Rgb(0)}; }
+
+}  // namespace nephele

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lobes without microfacet normals: diffuse ones and sheen. All but the transmission sample a cosine hemisphere.
+#include "surfaces/lobes.h"
+
+#include "math/warp.h"
+#include "surfaces/directional_albedo.h"
+
+namespace nephele {
+namespace {
+
+std::optional<LobeSample> sample_cosine(const auto& lobe, Vec3f wo, Vec2f u) {
+    const Vec3f wi = sample_cosine_hemisphere(u);
+    const LobeValue value = lobe.eval(wo, wi);
+    if (!(value.pdf > 0)) return std::nullopt;
+    return LobeSample{wi, value.f / value.pdf, value.pdf, kDiffuseRay};
+}
+
+}  // namespace
+
+// --- Lambert -----------------------------------------------------------------------------------------------------
+
+LobeValue Lambert::eval(Vec3f, Vec3f wi) const {
+    const float p = std::max(wi.z, 0.0f) * kInvPi;
+    return {Rgb(p), p};
+}
+std::optional<LobeSample> Lambert::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
+
+LobeValue Translucent::eval(Vec3f, Vec3f wi) const {
+    const float p = std::max(-wi.z, 0.0f) * kInvPi;
+    return {Rgb(p), p};
+}
+std::optional<LobeSample> Translucent::sample(Vec3f, float, Vec2f u) const {
+    const Vec3f wi = sample_cosine_hemisphere(u);
+    if (!(wi.z > 0)) return std::nullopt;
+    return LobeSample{{wi.x, wi.y, -wi.z}, Rgb(1), wi.z * kInvPi, kTransmissionRay};
+}
+
+// --- Rough diffuse -----------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Fujii's normalisation, and albedos of his white surface: towards a cosine, and their mean (EON, section 3).
+struct FujiiAlbedo {
+    float r, a;
+
+    explicit FujiiAlbedo(float roughness) : r(clamp01(roughness)), a(1 / (1 + (0.5f - 2 * kInvPi / 3) * r)) {}
+    float towards(float mu) const {
+        mu = clamp01(mu);
+        const float s = std::sqrt(1 - mu * mu), theta = std::acos(mu);
+        // tan(theta) (1 - s^3) with the pole at grazing angles divided out
+        const float tangent_term = s * mu * (1 + s + s * s) / (1 + s);
+        const float g = s * (theta - s * mu) + 2.0f / 3 * (tangent_term - s);
+        return a * (1 + r * kInvPi * g);
+    }
+    float mean() const { return a * (1 + (2.0f / 3 - 28 * kInvPi / 15) * r); }
+};
+
+/// Colour of the light that left after more than one bounce between facets.
+Rgb multiple_scattering_color(Rgb color, float mean_albedo) {
+    return color * color * mean_albedo / (Rgb(1) - color * (1 - mean_albedo));
+}
+
+}  // namespace
+
+LobeValue RoughDiffuse::eval(Vec3f wo, Vec3f wi) const {
+    if (wi.z <= 0) return {};
+    const FujiiAlbedo albedo_of(roughness);
+    const float cos_o = std::max(wo.z, 0.0f), s = dot(wo, wi) - cos_o * wi.z;
+    const float single = albedo_of.a * (1 + albedo_of.r * (s > 0 ? s / std::max(cos_o, wi.z) : s));
+    const float mean = albedo_of.mean(), lost = (1 - albedo_of.towards(cos_o)) * (1 - albedo_of.towards(wi.z));
+    // A smooth surface loses nothing; there `lost` and 1 - mean vanish together.
+    const float multiple = mean < 1 ? std::max(0.0f, lost) / (1 - mean) : 0;
+    const float p = wi.z * kInvPi;
+    return {(color * std::max(0.0f, single) + multiple_scattering_color(color, mean) * multiple) * p, p};
+}
+std::optional<LobeSample> RoughDiffuse::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
+Rgb RoughDiffuse::albedo(Vec3f wo) const {
+    const FujiiAlbedo albedo_of(roughness);
+    const float single = albedo_of.towards(wo.z);
+    return color * single + multiple_scattering_color(color, albedo_of.mean()) * (1 - single);
+}
+
+// --- Sheen -------------------------------------------------------------------------------------------------------
+
+LobeValue Sheen::eval(Vec3f wo, Vec3f wi) const {
+    if (wo.z <= 0 || wi.z <= 0) return {};
+    const Vec3f h = normalize(wo + wi);
+    const float exponent = 1 / std::max(alpha, 0.05f), sine = std::sqrt(std::max(0.0f, h.x * h.x + h.y * h.y));
+    const float D = (2 + exponent) * std::pow(sine, exponent) * (0.5f * kInvPi);
+    const float visibility = 0.25f / (wo.z + wi.z - wo.z * wi.z);  // Neubelt and Pettineo 2013
+    return {Rgb(D * visibility * wi.z), wi.z * kInvPi};
+}
+std::optional<LobeSample> Sheen::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
+Rgb Sheen::albedo(Vec3f wo) const { return Rgb(sheen_albedo(wo.z, alpha)); }
+
+}  // namespace nephele

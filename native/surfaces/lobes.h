@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lobes that surfaces are mixed from. Directions are unit vectors in the lobe's own frame, z its normal; wo is on
+// the side of +z. Weights (colours, mixing) are the Bsdf's; a lobe is the bare scattering function.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <variant>
+
+#include "base/surface.h"
+#include "surfaces/fresnel.h"
+#include "surfaces/microfacet.h"
+
+namespace nephele {
+
+/// f |cos wi| and the density of the lobe's own sampling, per solid angle.
+struct LobeValue {
+    Rgb f;
+    float pdf = 0;
+};
+
+/// A direction drawn from a lobe. weight: f |cos wi| / pdf; for a specular lobe the pdf is a point mass and left 0.
+struct LobeSample {
+    Vec3f wi;
+    Rgb weight;
+    float pdf = 0;
+    std::uint32_t kind = kDiffuseRay;
+};
+
+/// What every lobe offers. A specular lobe (a discrete set of directions) has eval() = 0.
+template <typename L>
+concept LobeLike = requires(const L lobe, Vec3f wo, Vec3f wi, float choice, Vec2f u) {
+    { lobe.specular() } -> std::same_as<bool>;
+    { lobe.eval(wo, wi) } -> std::same_as<LobeValue>;
+    { lobe.sample(wo, choice, u) } -> std::same_as<std::optional<LobeSample>>;
+    { lobe.albedo(wo) } -> std::same_as<Rgb>;  ///< share of light from wo that the lobe scatters; may be estimated
+};
+
+/// Lambert's diffuse reflection.
+struct Lambert {
+    bool specular() const { return false; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f) const { return Rgb(1); }
+};
+
+/// Lambert's diffuse transmission.
+struct Translucent {
+    bool specular() const { return false; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f) const { return Rgb(1); }
+};
+
+/// Rough diffuse reflection that keeps its energy: Fujii's Oren-Nayar with multiple scattering (Portsmouth, Kutz and
+/// Hill 2024, "EON: a practical energy-preserving rough diffuse BRDF"). color is part of the lobe, since light that
+/// bounces between facets takes it up more than once.
+struct RoughDiffuse {
+    Rgb color{1};
+    float roughness = 0;  ///< [0,1]
+
+    bool specular() const { return false; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;
+};
+
+/// Microfacet reflection with any Fresnel curve: glossy, metal, coat, the reflecting part of a plastic.
+struct Reflection {
+    Microfacet facets;
+    Fresnel fresnel;
+    Rgb scale{1};  ///< compensates the energy that single scattering loses; 1 for none
+
+    bool specular() const { return facets.specular(); }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;
+};
+
+/// Microfacet reflection and refraction (Walter et al. 2007). Radiance is not scaled by the squared index, as in Cycles.
+struct Dielectric {
+    Microfacet facets;
+    Fresnel fresnel;  ///< constant 0 makes the lobe refract only
+    float eta = 1.5f;  ///< ior beyond the surface / ior on wo's side
+    Rgb reflection_tint{1}, transmission_tint{1};
+    Rgb scale{1};  ///< as Reflection's
+
+    bool specular() const { return facets.specular(); }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;
+
+private:
+    Rgb reflectance(float cosine) const;
+    float reflect_probability(Rgb reflected) const;
+};
+
+/// Cloth-like reflection at grazing angles (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF").
+struct Sheen {
+    float alpha = 0.5f;
+
+    bool specular() const { return false; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;
+};
+
+using LobeModel = std::variant<Lambert, Translucent, RoughDiffuse, Reflection, Dielectric, Sheen>;
+
+static_assert(LobeLike<Lambert> && LobeLike<Translucent> && LobeLike<RoughDiffuse> && LobeLike<Reflection> &&
+              LobeLike<Dielectric> && LobeLike<Sheen>);
+
+}  // namespace nephele
