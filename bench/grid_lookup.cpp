@@ -60,7 +60,7 @@ std::shared_ptr<const BrickGrid> procedural_cloud(VoxelType type) {
             }
         }
     }
-    return builder.finish(active);
+    return builder.finish(active, {{0, 0, 0}, {kSize - 1, kSize - 1, kSize - 1}});
 }
 
 std::vector<IndexRay> random_rays(const IndexBox& box, int count) {

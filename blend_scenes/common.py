@@ -20,7 +20,7 @@ from mathutils import Vector
 
 _PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
 sys.path.append(str(Path(bpy.utils.resource_path("LOCAL"), "python", "lib", _PYTHON, "site-packages")))
-import openvdb  # Blender's own copy, found only through the path above
+import openvdb  # noqa: E402  Blender's own copy, found only through the path above
 
 # ---------------------------------------------------------------------------------------- scene and files
 

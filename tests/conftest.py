@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fixtures for all Python tests: the package from the working tree, and Blender with the add-on registered."""
+"""Fixtures for all Python tests: the package from the working tree, and Blender with the add-on
+registered."""
 
 import importlib.util
 import sys
@@ -26,7 +27,8 @@ _import_package()
 
 @pytest.fixture(scope="session")
 def addon():
-    """Returns the package, registered in Blender until the tests end: some Blenders hang or crash at exit otherwise."""
+    """Returns the package, registered in Blender until the tests end: some Blenders hang or crash at exit
+    otherwise."""
     import bpy
     import nephele
 
@@ -58,7 +60,8 @@ def camera(bpy):
 
 @pytest.fixture
 def export(bpy, camera):
-    """Returns a function that exports the current scene, as Blender would render it in the viewport's depsgraph."""
+    """Returns a function that exports the current scene, as Blender would render it in the viewport's
+    depsgraph."""
     from nephele.export import export_scene
 
     def run():

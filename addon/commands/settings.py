@@ -53,4 +53,5 @@ def allowed(entry):
         return "true or false"
     if entry["kind"] == "enum":
         return " | ".join(item["name"] for item in entry["items"])
-    return f"{entry['minimum']:g} to {entry['maximum']:g}"
+    form = "d" if entry["kind"] == "int" else "g"
+    return f"{entry['minimum']:{form}} to {entry['maximum']:{form}}"

@@ -33,8 +33,12 @@ def border(render, width, height):
     if not render.use_border:
         return None
     # In single precision like Blender: 0.7 * 10 must give 7.
-    x0, x1 = (int(np.float32(side) * np.float32(width)) for side in (render.border_min_x, render.border_max_x))
-    y0, y1 = (int(np.float32(side) * np.float32(height)) for side in (render.border_min_y, render.border_max_y))
+    x0, x1 = (
+        int(np.float32(side) * np.float32(width)) for side in (render.border_min_x, render.border_max_x)
+    )
+    y0, y1 = (
+        int(np.float32(side) * np.float32(height)) for side in (render.border_min_y, render.border_max_y)
+    )
     if x0 >= x1 or y0 >= y1:
         raise ExportError("the render region is smaller than a pixel; enlarge it or clear it (Ctrl Alt B)")
     return (x0, y0, x1, y1)

@@ -19,7 +19,8 @@ def active_output(tree):
 
 
 def uses_nodes(block):
-    """True when a material, world or light is shaded by its node tree; from Blender 5.0 on only lights may not be."""
+    """True when a material, world or light is shaded by its node tree; from Blender 5.0 on only lights may
+    not be."""
     always = bpy.app.version >= (5, 0, 0) and not isinstance(block, bpy.types.Light)
     return block.node_tree is not None and (always or block.use_nodes)
 

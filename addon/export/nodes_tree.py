@@ -62,12 +62,14 @@ def origin(socket, path):
 
 
 def place(socket, path):
-    """Identifies a socket in its place: one of a group's sockets is a different one in each use of the group."""
+    """Identifies a socket in its place: one of a group's sockets is a different one in each use of the
+    group."""
     return (socket.as_pointer(), *(group.as_pointer() for group in path))
 
 
 def inputs_first(socket, path, feeds):
-    """Returns every (input socket, path) that `socket` depends on and then itself, each after all it depends on.
+    """Returns every (input socket, path) that `socket` depends on and then itself, each after all it depends
+    on.
 
     feeds: function (node) -> input sockets to follow. Without recursion: trees may be long.
     """

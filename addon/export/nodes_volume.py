@@ -158,7 +158,11 @@ class VolumeCompiler:
         for socket in node.inputs:
             for behind, behind_path in inputs_first(socket, path, lambda feeder: feeder.inputs):
                 output = upstream(behind)
-                if output is not None and relay(output, behind_path) is None and output.node.type in GRID_READERS:
+                if (
+                    output is not None
+                    and relay(output, behind_path) is None
+                    and output.node.type in GRID_READERS
+                ):
                     return True
         return False
 

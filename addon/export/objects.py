@@ -45,7 +45,9 @@ class Objects:
         self._converted = {
             instance.instance_object.original.as_pointer()
             for instance in instances
-            if instance.is_instance and instance.object.type == "MESH" and instance.instance_object is not None
+            if instance.is_instance
+            and instance.object.type == "MESH"
+            and instance.instance_object is not None
         }
         for instance in instances:
             if instance.show_self and not instance.object.hide_render:
@@ -78,8 +80,8 @@ class Objects:
             )
 
     def _is_converted(self, instance):
-        """True for a curve or the like whose mesh Blender lists as an instance of its own (not for metaballs of old
-        versions)."""
+        """True for a curve or the like whose mesh Blender lists as an instance of its own (not for metaballs
+        of old versions)."""
         owner = instance.instance_object if instance.is_instance else instance.object
         return owner is not None and owner.original.as_pointer() in self._converted
 

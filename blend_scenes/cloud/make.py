@@ -46,7 +46,7 @@ def puffs(rng):
     generations = [trunk]
     for count, smaller, rise in ((11, 0.44, 0.25), (7, 0.42, 0.1)):
         parents = np.repeat(generations[-1], count, axis=0)
-        direction = rng.normal(size=(len(parents), 3)) + (0, 0, rise)
+        direction = rng.normal(size=(len(parents), 3)) + np.array((0, 0, rise))
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         radius = parents[:, 3] * smaller * rng.uniform(0.7, 1.25, len(parents))
         centre = parents[:, :3] + direction * (parents[:, 3] * rng.uniform(0.8, 1.02, len(parents)))[:, None]

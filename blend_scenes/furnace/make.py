@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """White furnace: a ball that only scatters, under a uniform white sky of radiance 1. Every pixel must be 1.
 
-The ball has a rough edge and varying density (extinction up to 6 per metre, optical depth about 7 through
+The ball has a rough edge and varying density (extinction up to 6 per metre, optical depth about 6 through
 the middle), albedo exactly 1, g = 0.5. Energy is conserved only if paths may go on, so the bounce limit is
 Blender's highest, 1024: what it still cuts off is far below any noise.
 Writes furnace.vdb and furnace.blend beside this file.

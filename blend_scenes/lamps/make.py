@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Five lamps in and about a patchy cloud, nothing else: light sampling and its weights in a thick medium.
 
-Black world. Two point lamps glow inside the cloud and one outside it, two spots look in. A renderer that weighs
-light sampling against phase sampling wrongly is off by per cents here. The lamps without size stand outside
-the cloud: inside, 1/r^2 has infinite variance, and no statistical test could judge the picture.
+Black world. Two point lamps glow inside the cloud and one outside it, two spots look in. A renderer that
+weighs light sampling against phase sampling wrongly is off by per cents here. The lamps without size stand
+outside the cloud: inside, 1/r^2 has infinite variance, and no statistical test could judge the picture.
 Cloud: 64^3 voxels of 3.125 cm, extinction up to 12 per metre, chromatic albedo (0.95, 0.9, 0.8), g = 0.4.
 Writes lamps.vdb and lamps.blend beside this file.
 """

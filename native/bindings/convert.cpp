@@ -48,8 +48,8 @@ Buffer<std::int32_t> integers(nb::handle object, const char* attribute) {
 }
 
 void matrix(nb::handle object, const char* attribute, double (&out)[16]) {
-    nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu> view;
-    if (!nb::try_cast(object.attr(attribute), view, false)) bad_array(attribute, "4 x 4 float64");
+    nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu> view;  // small: a copy will do
+    if (!nb::try_cast(object.attr(attribute), view, true)) bad_array(attribute, "4 x 4 float64");
     std::copy(view.data(), view.data() + 16, out);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A lamp of any kind. A new kind of lamp is its own header plus one name in the variant and one line in `prepare_lamp`.
+// A lamp of any kind. A new kind of lamp is its own header plus one name in the variant and one line in
+// `prepare_lamp`.
 #pragma once
 
 #include <variant>
@@ -48,7 +49,8 @@ struct Lamp {
 /// Checks the values and derives the rest. Throws std::invalid_argument naming the lamp and the fault.
 Lamp prepare_lamp(const LampDescription& description);
 
-/// Where a lamp of finite size is, and its largest radiant intensity (far from it the fluence rate is intensity / d^2).
+/// Where a lamp of finite size is, and its largest radiant intensity (far from it the fluence rate is
+/// intensity / d^2).
 struct LightBounds {
     Vec3f lower, upper;
     float intensity = 0;

@@ -20,11 +20,13 @@ DiscreteDistribution::Choice DiscreteDistribution::sample(float u) const {
     const double target = static_cast<double>(u) * total();
     // The first sum above the target: entries of weight 0 repeat the sum before them and are stepped over.
     auto found = std::upper_bound(sums_.begin(), sums_.end(), target);
-    if (found == sums_.end()) found = std::lower_bound(sums_.begin(), sums_.end(), sums_.back());
+    if (found == sums_.end())
+        found = std::lower_bound(sums_.begin(), sums_.end(), sums_.back());
     const auto i = static_cast<std::size_t>(found - sums_.begin());
     const double w = weight(i), below = *found - w;
     const float rest = static_cast<float>((target - below) / w);
-    return {static_cast<std::uint32_t>(i), static_cast<float>(w / total()), std::clamp(rest, 0.0f, kOneMinusEpsilon)};
+    return {static_cast<std::uint32_t>(i), static_cast<float>(w / total()),
+            std::clamp(rest, 0.0f, kOneMinusEpsilon)};
 }
 
 }  // namespace nephele

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Discrete distribution over 0..n-1 in proportion to given weights: running sums in double, so that a million small
-// weights beside a huge one keep their share.
+// Discrete distribution over 0..n-1 in proportion to given weights: running sums in double, so that a million
+// small weights beside a huge one keep their share.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace nephele {
 
 class DiscreteDistribution {
-public:
+  public:
     DiscreteDistribution() = default;
     /// Weights >= 0. Throws std::invalid_argument where one is negative or not finite. All zero: `empty`.
     explicit DiscreteDistribution(std::span<const float> weights);
@@ -21,7 +21,8 @@ public:
     double total() const { return sums_.empty() ? 0 : sums_.back(); }
     bool empty() const { return !(total() > 0); }
 
-    /// An index of nonzero weight, chosen with u in [0,1), and where u lies within that index's share, again in [0,1).
+    /// An index of nonzero weight, chosen with u in [0,1), and where u lies within that index's share, again
+    /// in [0,1).
     struct Choice {
         std::uint32_t index;
         float probability;
@@ -31,7 +32,7 @@ public:
     /// Probability of index i; 0 for an empty distribution.
     float probability(std::size_t i) const { return empty() ? 0 : static_cast<float>(weight(i) / total()); }
 
-private:
+  private:
     double weight(std::size_t i) const { return sums_[i] - (i > 0 ? sums_[i - 1] : 0); }
 
     std::vector<double> sums_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The world as a light: directions drawn from a piecewise constant density over an equirectangular grid (Pharr et al.,
-// PBRT, "Infinite Area Lights"), mixed with a small share of uniform directions, so that what the grid missed is still
-// found. A world of constant radiance is drawn uniformly. Density in solid angle throughout.
+// The world as a light: directions drawn from a piecewise constant density over an equirectangular grid
+// (Pharr et al., PBRT, "Infinite Area Lights"), mixed with a small share of uniform directions, so that what
+// the grid missed is still found. A world of constant radiance is drawn uniformly. Density in solid angle
+// throughout.
 #pragma once
 
 #include <functional>
@@ -13,12 +14,13 @@
 namespace nephele {
 
 class EnvironmentLight {
-public:
+  public:
     /// Share of uniform directions.
     static constexpr float kUniformShare = 0.05f;
 
-    /// radiance(unit direction) is asked once per cell of the grid; width, height >= 1. A grid as fine as the image
-    /// behind the world finds all of it. Throws std::invalid_argument where a radiance is negative or not finite.
+    /// radiance(unit direction) is asked once per cell of the grid; width, height >= 1. A grid as fine as the
+    /// image behind the world finds all of it. Throws std::invalid_argument where a radiance is negative or
+    /// not finite.
     EnvironmentLight(const std::function<Rgb(Vec3f)>& radiance, int width, int height);
 
     struct Sample {
@@ -34,7 +36,7 @@ public:
     /// Fluence rate, W/m^2, the same everywhere.
     float importance() const { return 4 * kPi * mean(mean_radiance_); }
 
-private:
+  private:
     void build(const std::vector<float>& weights);
     double cos_of_row(int row) const;
 

@@ -3,9 +3,9 @@
 //
 // Radiance of a lamp of power P (W; W/m^2 for suns), as Cycles 5.0 has it; `normalize` False drops 1/area:
 //
-//     point, spot   L = P / (pi A), A = 4 pi r^2; for r = 0 the intensity is P / (4 pi) W/sr (P / pi unnormalised)
-//     area          L = P / (pi A), A = sx sy, times pi/4 for ellipses
-//     sun           L = P / (pi sin^2(angle/2)), which gives the irradiance P at normal incidence; angle 0: delta
+//     point, spot   L = P / (pi A), A = 4 pi r^2; for r = 0 the intensity is P / (4 pi) W/sr (P / pi
+//     unnormalised) area          L = P / (pi A), A = sx sy, times pi/4 for ellipses sun           L = P /
+//     (pi sin^2(angle/2)), which gives the irradiance P at normal incidence; angle 0: delta
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@
 
 namespace nephele {
 
-/// Values of one lamp. Lengths in metres, angles in radians, power in W (suns: W/m^2). It shines along its local -z.
+/// Values of one lamp. Lengths in metres, angles in radians, power in W (suns: W/m^2). It shines along its
+/// local -z.
 struct LampDescription {
     enum class Kind { point, sun, spot, area };
 
@@ -49,7 +50,7 @@ struct LampDescription {
 struct LightHit {
     float distance = kInfinity;  ///< m along the ray
     Rgb Le;                      ///< radiance towards the ray's origin
-    float pdf = 0;               ///< what `pdf(ray.o, ray.d)` returns: solid angle, as seen from the ray's origin
+    float pdf = 0;  ///< what `pdf(ray.o, ray.d)` returns: solid angle, as seen from the ray's origin
 };
 
 }  // namespace nephele

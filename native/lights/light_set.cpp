@@ -5,12 +5,14 @@
 
 namespace nephele {
 
-LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes, std::shared_ptr<const EnvironmentLight> world)
+LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
+                   std::shared_ptr<const EnvironmentLight> world)
     : lamps_(std::move(lamps)), meshes_(std::move(meshes)), world_(std::move(world)) {
     std::vector<std::uint32_t> finite;
     std::vector<LightBounds> bounds;
     for (std::uint32_t i = 0; i < lamps_.size(); ++i) {
-        if (is_zero(lamps_[i].power())) continue;
+        if (is_zero(lamps_[i].power()))
+            continue;
         if (lamps_[i].infinite()) {
             direct_.push_back(i);
         } else {
@@ -19,29 +21,36 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes, std::
         }
     }
     for (std::size_t i = 0; i < meshes_.size(); ++i) {
-        if (meshes_[i].empty()) continue;
+        if (meshes_[i].empty())
+            continue;
         finite.push_back(mesh_number(i));
         bounds.push_back({meshes_[i].lower(), meshes_[i].upper(), meshes_[i].intensity()});
     }
-    if (world_ && !world_->black()) direct_.push_back(world_number());
+    if (world_ && !world_->black())
+        direct_.push_back(world_number());
 
     if (finite.size() > kListSize) {
         tree_ = LightTree(finite, bounds);
         in_tree_.assign(size(), false);
-        for (const std::uint32_t i : finite) in_tree_[i] = true;
+        for (const std::uint32_t i : finite)
+            in_tree_[i] = true;
     } else {
         direct_.insert(direct_.end(), finite.begin(), finite.end());
     }
     for (const std::uint32_t i : direct_) {
-        if (kind(i) == Kind::lamp && !lamps_[i].delta()) hittable_.push_back(i);
+        if (kind(i) == Kind::lamp && !lamps_[i].delta())
+            hittable_.push_back(i);
     }
 }
 
 float LightSet::importance(std::uint32_t light, Vec3f p) const {
     switch (kind(light)) {
-        case Kind::lamp: return lamp(light).importance(p);
-        case Kind::mesh: return mesh(light).importance(p);
-        case Kind::world: return world_->importance();
+        case Kind::lamp:
+            return lamp(light).importance(p);
+        case Kind::mesh:
+            return mesh(light).importance(p);
+        case Kind::world:
+            return world_->importance();
     }
     return 0;
 }
@@ -54,16 +63,19 @@ std::optional<std::uint32_t> LightSet::select(Vec3f p, float u, float& probabili
     const double tree_weight = sum;
     for (std::size_t i = 0; i < direct_.size(); ++i) {
         const float w = importance(direct_[i], p);
-        if (i < kStored) stored[i] = w;
+        if (i < kStored)
+            stored[i] = w;
         sum += w;
     }
-    if (!(sum > 0)) return std::nullopt;
+    if (!(sum > 0))
+        return std::nullopt;
 
     double rest = u * sum;
     if (rest < tree_weight) {
-        const auto choice =
-            tree_.select(p, rest / tree_weight, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
-        if (!choice) return std::nullopt;
+        const auto choice = tree_.select(p, rest / tree_weight,
+                                         [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+        if (!choice)
+            return std::nullopt;
         probability = static_cast<float>(choice->probability * (tree_weight / sum));
         return choice->light;
     }
@@ -76,10 +88,12 @@ std::optional<std::uint32_t> LightSet::select(Vec3f p, float u, float& probabili
             chosen = i;
             chosen_weight = w;
         }
-        if (rest < w) break;
+        if (rest < w)
+            break;
         rest -= w;
     }
-    if (chosen == direct_.size()) return std::nullopt;
+    if (chosen == direct_.size())
+        return std::nullopt;
     probability = static_cast<float>(chosen_weight / sum);
     return direct_[chosen];
 }
@@ -92,10 +106,14 @@ float LightSet::selection_pdf(Vec3f p, std::uint32_t light) const {
         sum += importance(i, p);
         listed |= i == light;
     }
-    if (!(sum > 0)) return 0;
-    if (listed) return static_cast<float>(importance(light, p) / sum);
-    if (light >= in_tree_.size() || !in_tree_[light]) return 0;
-    const float within = tree_.probability(p, light, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+    if (!(sum > 0))
+        return 0;
+    if (listed)
+        return static_cast<float>(importance(light, p) / sum);
+    if (light >= in_tree_.size() || !in_tree_[light])
+        return 0;
+    const float within =
+        tree_.probability(p, light, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
     return static_cast<float>(within * (tree_weight / sum));
 }
 

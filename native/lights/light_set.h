@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All lights of a scene and the choice among them. Lights are numbered: lamps, then mesh lights, then the world.
+// All lights of a scene and the choice among them. Lights are numbered: lamps, then mesh lights, then the
+// world.
 //
-// At a receiving point every light has an `importance`, an estimate of its fluence rate there; up to kListSize lights of
-// finite size are chosen in proportion to it, more through a LightTree, which competes with suns and world as one entry.
-// Normals play no part, since receiving points may lie in volumes. Wherever a light can contribute, its probability is
-// above zero.
+// At a receiving point every light has an `importance`, an estimate of its fluence rate there; up to
+// kListSize lights of finite size are chosen in proportion to it, more through a LightTree, which competes
+// with suns and world as one entry. Normals play no part, since receiving points may lie in volumes. Wherever
+// a light can contribute, its probability is above zero.
 #pragma once
 
 #include <memory>
@@ -18,12 +19,14 @@
 namespace nephele {
 
 class LightSet {
-public:
+  public:
     static constexpr std::size_t kListSize = 16;
 
     LightSet() = default;
-    /// Mesh lights that are empty, and a world that is null or black, are never chosen but keep their numbers.
-    LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes, std::shared_ptr<const EnvironmentLight> world);
+    /// Mesh lights that are empty, and a world that is null or black, are never chosen but keep their
+    /// numbers.
+    LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
+             std::shared_ptr<const EnvironmentLight> world);
 
     std::size_t size() const { return lamps_.size() + meshes_.size() + (world_ ? 1 : 0); }
     bool empty() const { return direct_.empty() && tree_.empty(); }
@@ -34,7 +37,9 @@ public:
 
     enum class Kind { lamp, mesh, world };
     Kind kind(std::uint32_t light) const {
-        return light < lamps_.size() ? Kind::lamp : light < lamps_.size() + meshes_.size() ? Kind::mesh : Kind::world;
+        return light < lamps_.size()                    ? Kind::lamp
+               : light < lamps_.size() + meshes_.size() ? Kind::mesh
+                                                        : Kind::world;
     }
     const Lamp& lamp(std::uint32_t light) const { return lamps_[light]; }
     const MeshLight& mesh(std::uint32_t light) const { return meshes_[light - lamps_.size()]; }
@@ -46,12 +51,12 @@ public:
     /// Probability with which `select` returns this light at p.
     float selection_pdf(Vec3f p, std::uint32_t light) const;
 
-    /// Calls found(number, LightHit) for every lamp that the ray meets in [t_min, t_max], in no order. Lamps do not
-    /// block rays. Mesh lights and the world are found by tracing.
+    /// Calls found(number, LightHit) for every lamp that the ray meets in [t_min, t_max], in no order. Lamps
+    /// do not block rays. Mesh lights and the world are found by tracing.
     template <typename Found>
     void for_each_lamp_hit(const Ray& ray, Found&& found) const;
 
-private:
+  private:
     float importance(std::uint32_t light, Vec3f p) const;
 
     std::vector<Lamp> lamps_;
@@ -66,11 +71,14 @@ private:
 template <typename Found>
 void LightSet::for_each_lamp_hit(const Ray& ray, Found&& found) const {
     const auto test = [&](std::uint32_t light) {
-        if (const auto hit = lamps_[light].intersect(ray)) found(light, *hit);
+        if (const auto hit = lamps_[light].intersect(ray))
+            found(light, *hit);
     };
-    for (const std::uint32_t light : hittable_) test(light);
+    for (const std::uint32_t light : hittable_)
+        test(light);
     tree_.for_each_near(ray, [&](std::uint32_t light) {
-        if (kind(light) == Kind::lamp && !lamps_[light].delta()) test(light);
+        if (kind(light) == Kind::lamp && !lamps_[light].delta())
+            test(light);
     });
 }
 

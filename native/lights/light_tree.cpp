@@ -7,23 +7,28 @@
 namespace nephele {
 
 LightTree::LightTree(const std::vector<std::uint32_t>& lights, const std::vector<LightBounds>& bounds) {
-    if (lights.empty()) return;
+    if (lights.empty())
+        return;
     std::vector<std::uint32_t> order(lights.size());
     std::iota(order.begin(), order.end(), 0u);
     nodes_.emplace_back();
     build(0, 0, static_cast<std::uint32_t>(order.size()), bounds, order);
 
     leaf_of_.resize(*std::max_element(lights.begin(), lights.end()) + std::size_t{1});
-    for (const std::uint32_t i : order) lights_.push_back(lights[i]);
+    for (const std::uint32_t i : order)
+        lights_.push_back(lights[i]);
     for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-        for (std::uint32_t i = 0; i < nodes_[n].count; ++i) leaf_of_[lights_[nodes_[n].first + i]] = n;
+        for (std::uint32_t i = 0; i < nodes_[n].count; ++i)
+            leaf_of_[lights_[nodes_[n].first + i]] = n;
     }
 }
 
-void LightTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end, const std::vector<LightBounds>& bounds,
-                      std::vector<std::uint32_t>& order) {
+void LightTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
+                      const std::vector<LightBounds>& bounds, std::vector<std::uint32_t>& order) {
     Vec3f lower(kInfinity), upper(-kInfinity), centre_lower(kInfinity), centre_upper(-kInfinity);
-    const auto centre = [&](std::uint32_t light) { return (bounds[light].lower + bounds[light].upper) * 0.5f; };
+    const auto centre = [&](std::uint32_t light) {
+        return (bounds[light].lower + bounds[light].upper) * 0.5f;
+    };
     double intensity = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
         const LightBounds& b = bounds[order[i]];
@@ -58,16 +63,17 @@ void LightTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end
 
 float LightTree::weight(const Node& node, Vec3f p) {
     const Vec3f to_centre = (node.lower + node.upper) * 0.5f - p, diagonal = node.upper - node.lower;
-    const float d2 = std::max(dot(to_centre, to_centre), 0.25f * dot(diagonal, diagonal));
+    const float d2 = std::max(dot(to_centre, to_centre), 0.0625f * dot(diagonal, diagonal));
     return std::min(node.intensity / std::max(d2, 1e-20f), 1e30f);
 }
 
 bool LightTree::enters(const Ray& ray, Vec3f inverse_d, const Node& node) {
     float t0 = ray.t_min, t1 = ray.t_max;
     for (int i = 0; i < 3; ++i) {
-        const float a = (node.lower[i] - ray.o[i]) * inverse_d[i], b = (node.upper[i] - ray.o[i]) * inverse_d[i];
-        // Written so that the NaN of a ray that lies in the slab's plane leaves the interval alone; widened by the
-        // rounding of a, b and the boxes, since lamps like rectangles have boxes without thickness.
+        const float a = (node.lower[i] - ray.o[i]) * inverse_d[i],
+                    b = (node.upper[i] - ray.o[i]) * inverse_d[i];
+        // Written so that the NaN of a ray that lies in the slab's plane leaves the interval alone; widened
+        // by the rounding of a, b and the boxes, since lamps like rectangles have boxes without thickness.
         t0 = std::min(a, b) > t0 ? std::min(a, b) * (1 - 1e-5f) : t0;
         t1 = std::max(a, b) < t1 ? std::max(a, b) * (1 + 1e-5f) : t1;
     }

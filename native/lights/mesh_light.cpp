@@ -11,7 +11,9 @@ namespace nephele {
 namespace {
 
 /// Twice the triangle's area, as a vector along its normal.
-Vec3f area_vector(Vec3f a, Vec3f b, Vec3f c) { return cross(b - a, c - a); }
+Vec3f area_vector(Vec3f a, Vec3f b, Vec3f c) {
+    return cross(b - a, c - a);
+}
 
 /// Uniform density in area as density in solid angle; infinite where the triangle is seen edge-on.
 float area_density(Vec3f twice_area, Vec3f to_light) {
@@ -24,19 +26,23 @@ float area_density(Vec3f twice_area, Vec3f to_light) {
 MeshLight::MeshLight(const Mesh& mesh, const Instance& instance, std::span<const float> radiance_estimate)
     : mesh_(&mesh), instance_(&instance), lower_(kInfinity), upper_(-kInfinity) {
     if (radiance_estimate.size() != mesh.triangle_count()) {
-        throw std::invalid_argument("object '" + instance.name + "': its emission is not given once per triangle");
+        throw std::invalid_argument("object '" + instance.name +
+                                    "': its emission is not given once per triangle");
     }
     std::vector<float> weights;
     double area = 0, flux = 0;
     for (std::uint32_t t = 0; t < radiance_estimate.size(); ++t) {
         const float radiance = radiance_estimate[t];
         if (!(radiance >= 0) || !std::isfinite(radiance)) {
-            throw std::invalid_argument("object '" + instance.name + "': its emission is negative or not finite");
+            throw std::invalid_argument("object '" + instance.name +
+                                        "': its emission is negative or not finite");
         }
-        if (radiance == 0) continue;
+        if (radiance == 0)
+            continue;
         const Corners k = corners(t);
         const float size = 0.5f * length(area_vector(k.a, k.b, k.c));
-        if (!(size > 0)) continue;
+        if (!(size > 0))
+            continue;
         emissive_.push_back(t);
         weights.push_back(size * radiance);
         area += static_cast<double>(size);
@@ -47,23 +53,28 @@ MeshLight::MeshLight(const Mesh& mesh, const Instance& instance, std::span<const
     choice_ = DiscreteDistribution(weights);
     area_ = static_cast<float>(area);
     intensity_ = static_cast<float>(0.5 * flux);  // the mean of |cos| over all directions is 1/2
-    if (emissive_.size() == mesh.triangle_count()) emissive_ = {};
+    if (emissive_.size() == mesh.triangle_count())
+        emissive_ = {};
 }
 
 MeshLight::Corners MeshLight::corners(std::uint32_t triangle) const {
     const Transform& m = instance_->world_from_object;
-    return {m.point(mesh_->vertex(triangle, 0)), m.point(mesh_->vertex(triangle, 1)), m.point(mesh_->vertex(triangle, 2))};
+    return {m.point(mesh_->vertex(triangle, 0)), m.point(mesh_->vertex(triangle, 1)),
+            m.point(mesh_->vertex(triangle, 2))};
 }
 
 float MeshLight::probability(std::uint32_t triangle) const {
-    if (emissive_.empty()) return triangle < choice_.size() ? choice_.probability(triangle) : 0;
+    if (emissive_.empty())
+        return triangle < choice_.size() ? choice_.probability(triangle) : 0;
     const auto found = std::lower_bound(emissive_.begin(), emissive_.end(), triangle);
-    if (found == emissive_.end() || *found != triangle) return 0;
+    if (found == emissive_.end() || *found != triangle)
+        return 0;
     return choice_.probability(static_cast<std::size_t>(found - emissive_.begin()));
 }
 
 std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, float u_triangle, Vec2f u) const {
-    if (empty()) return std::nullopt;
+    if (empty())
+        return std::nullopt;
     const DiscreteDistribution::Choice chosen = choice_.sample(u_triangle);
     Sample s;
     s.triangle = emissive_.empty() ? chosen.index : emissive_[chosen.index];
@@ -76,30 +87,36 @@ std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, float u_triangle, Ve
         const float b0 = lower ? u.x / 2 : u.x - u.y / 2, b1 = lower ? u.y - u.x / 2 : u.y / 2;
         s.barycentric = {b0, b1, 1 - b0 - b1};
     }
-    const Vec3f to_light = (k.a - p) * s.barycentric.x + (k.b - p) * s.barycentric.y + (k.c - p) * s.barycentric.z;
+    const Vec3f to_light =
+        (k.a - p) * s.barycentric.x + (k.b - p) * s.barycentric.y + (k.c - p) * s.barycentric.z;
     const Vec3f n = area_vector(k.a, k.b, k.c);
     s.light.distance = length(to_light);
-    if (!(s.light.distance > 0)) return std::nullopt;
+    if (!(s.light.distance > 0))
+        return std::nullopt;
     s.light.wi = to_light / s.light.distance;
     s.p = p + to_light;
     s.ng = normalize(instance_->mirrored() ? -n : n);
     const float density = spherical.usable() ? 1 / spherical.solid_angle() : area_density(n, to_light);
-    if (!std::isfinite(density)) return std::nullopt;
+    if (!std::isfinite(density))
+        return std::nullopt;
     s.light.pdf = chosen.probability * density;
     return s;
 }
 
 float MeshLight::pdf(std::uint32_t triangle, Vec3f p, Vec3f point) const {
     const float chosen = probability(triangle);
-    if (chosen == 0) return 0;
+    if (chosen == 0)
+        return 0;
     const Corners k = corners(triangle);
     const SphericalTriangle spherical(k.a - p, k.b - p, k.c - p);
-    const float density = spherical.usable() ? 1 / spherical.solid_angle() : area_density(area_vector(k.a, k.b, k.c), point - p);
+    const float density = spherical.usable() ? 1 / spherical.solid_angle()
+                                             : area_density(area_vector(k.a, k.b, k.c), point - p);
     return std::isfinite(density) ? chosen * density : 0;
 }
 
 float MeshLight::importance(Vec3f p) const {
-    if (empty()) return 0;
+    if (empty())
+        return 0;
     // At a great distance intensity / d^2; close by no more than its mean radiance from all around.
     const Vec3f outside = max(max(lower_ - p, p - upper_), Vec3f(0));
     return intensity_ / (dot(outside, outside) + area_ / (8 * kPi));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The emissive triangles of one mesh instance as a light. A triangle is drawn in proportion to area times an estimate of
-// its radiance; the point on it uniformly in solid angle where it is near (Arvo 1995, "Stratified Sampling of Spherical
-// Triangles"), else uniformly in area. Both sides emit. What is emitted is for the material's program to say: samples
-// carry no Li.
+// The emissive triangles of one mesh instance as a light. A triangle is drawn in proportion to area times an
+// estimate of its radiance; the point on it uniformly in solid angle where it is near (Arvo 1995, "Stratified
+// Sampling of Spherical Triangles"), else uniformly in area. Both sides emit. What is emitted is for the
+// material's program to say: samples carry no Li.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,10 @@
 namespace nephele {
 
 class MeshLight {
-public:
-    /// radiance_estimate: one value >= 0 per triangle of the mesh (0: does not emit), finite; typically the luminance of
-    /// its material's emission. Mesh and instance must outlive the light. Throws std::invalid_argument, naming the object.
+  public:
+    /// radiance_estimate: one value >= 0 per triangle of the mesh (0: does not emit), finite; typically the
+    /// luminance of its material's emission. Mesh and instance must outlive the light. Throws
+    /// std::invalid_argument, naming the object.
     MeshLight(const Mesh& mesh, const Instance& instance, std::span<const float> radiance_estimate);
 
     struct Sample {
@@ -26,7 +27,7 @@ public:
         std::uint32_t triangle = 0;
         Vec3f barycentric;  ///< weights of corners 0, 1, 2
         Vec3f p;            ///< the point, world space
-        Vec3f ng;           ///< unit geometric normal, world space, by the order of the corners (mirroring undone)
+        Vec3f ng;  ///< unit geometric normal, world space, by the order of the corners (mirroring undone)
     };
     /// A direction from p. None where the chosen triangle is seen edge-on from p, or degenerate.
     std::optional<Sample> sample(Vec3f p, float u_triangle, Vec2f u) const;
@@ -45,7 +46,7 @@ public:
     /// Estimate of the fluence rate at p, W/m^2; > 0 everywhere unless `empty`.
     float importance(Vec3f p) const;
 
-private:
+  private:
     struct Corners {
         Vec3f a, b, c;
     };

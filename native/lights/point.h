@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Point lamp: a sphere of constant radiance (or what Ball offers besides). A receiving point inside it sees it all around.
+// Point lamp: a sphere of constant radiance (or what Ball offers besides). A receiving point inside it sees
+// it all around.
 #pragma once
 
 #include "lights/ball.h"
@@ -27,7 +28,8 @@ struct PointLight {
 
     std::optional<LightSample> sample(Vec3f p, Vec2f u) const {
         const auto s = ball.sample(p, u);
-        if (!s) return std::nullopt;
+        if (!s)
+            return std::nullopt;
         const float scale = !s->point ? 1 : delta() ? 1 / sqr(s->distance) : s->solid_angle;
         return LightSample{s->wi, s->distance, emission * scale, s->pdf, s->point};
     }
@@ -37,12 +39,14 @@ struct PointLight {
     }
     std::optional<LightHit> intersect(const Ray& ray) const {
         const auto h = ball.hit(ray.o, ray.d);
-        if (!h || h->distance < ray.t_min || h->distance > ray.t_max) return std::nullopt;
+        if (!h || h->distance < ray.t_min || h->distance > ray.t_max)
+            return std::nullopt;
         return LightHit{h->distance, emission, h->pdf};
     }
     /// Fluence rate at p, W/m^2.
     float importance(Vec3f p) const {
-        if (!delta()) return mean(emission) * ball.solid_angle(p);
+        if (!delta())
+            return mean(emission) * ball.solid_angle(p);
         const Vec3f v = ball.center - p;
         return mean(emission) / std::max(dot(v, v), 1e-20f);
     }

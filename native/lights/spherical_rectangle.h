@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Uniform sampling of the solid angle of a rectangle (Urena, Fajardo, King, EGSR 2013, "An Area-Preserving
-// Parametrization for Spherical Rectangles"), in double precision, since the four dihedral angles nearly cancel for
-// small rectangles.
+// Parametrization for Spherical Rectangles"), in double precision, since the four dihedral angles nearly
+// cancel for small rectangles.
 #pragma once
 
 #include "math/vec.h"
@@ -10,7 +10,7 @@ namespace nephele {
 
 /// The rectangle [x0, x1] x [y0, y1] of the plane z = -height as seen from the origin; height > 0.
 class SphericalRectangle {
-public:
+  public:
     SphericalRectangle(double x0, double x1, double y0, double y1, double height);
 
     /// sr; 0 where it is too small for this method, and the caller has to sample the area.
@@ -18,7 +18,7 @@ public:
     /// Point (x, y) of the rectangle, distributed uniformly in solid angle.
     Vec2f sample(Vec2f u) const;
 
-private:
+  private:
     double x0_, x1_, y0_, y1_, z0_, b0_, b1_, g23_, solid_angle_;
 };
 
@@ -34,7 +34,8 @@ inline SphericalRectangle::SphericalRectangle(double x0, double x1, double y0, d
     b0_ = n0;
     b1_ = n2;
     g23_ = g2 + g3;
-    if (!(solid_angle_ > 1e-6)) solid_angle_ = 0;
+    if (!(solid_angle_ > 1e-6))
+        solid_angle_ = 0;
 }
 
 inline Vec2f SphericalRectangle::sample(Vec2f u) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Spot lamp: a point lamp seen through a cone with a soft edge. The cone is measured in the lamp's own space, so an
-// object's scale squeezes it. From inside the sphere there is no cone: the radiance is that of a point lamp.
+// Spot lamp: a point lamp seen through a cone with a soft edge. The cone is measured in the lamp's own space,
+// so an object's scale squeezes it. From inside the sphere there is no cone: the radiance is that of a point
+// lamp.
 #pragma once
 
 #include "lights/point.h"
@@ -9,9 +10,10 @@ namespace nephele {
 
 struct SpotLight {
     PointLight lamp;
-    Vec3f axis_x, axis_y, axis_z;  ///< unit axes over their scales: v -> (v.x, v.y, v.z) scales into the lamp's space
-    float cos_edge = 0;            ///< of the cone's half angle
-    float edge_width = 0;          ///< in cosine, over which the edge fades; 0: hard
+    Vec3f axis_x, axis_y,
+        axis_z;            ///< unit axes over their scales: v -> (v.x, v.y, v.z) scales into the lamp's space
+    float cos_edge = 0;    ///< of the cone's half angle
+    float edge_width = 0;  ///< in cosine, over which the edge fades; 0: hard
 
     static SpotLight prepare(const LampDescription& lamp) {
         SpotLight s;
@@ -32,30 +34,39 @@ struct SpotLight {
     float falloff(Vec3f w) const {
         const Vec3f v = safe_normalize({dot(w, axis_x), dot(w, axis_y), dot(w, axis_z)});
         const float inside = -v.z - cos_edge;
-        if (inside <= 0) return 0;
-        if (inside >= edge_width) return 1;
+        if (inside <= 0)
+            return 0;
+        if (inside >= edge_width)
+            return 1;
         const float x = inside / edge_width;
         return x * x * (3 - 2 * x);
     }
 
     std::optional<LightSample> sample(Vec3f p, Vec2f u) const {
         auto s = lamp.sample(p, u);
-        if (!s) return std::nullopt;
-        if (!lamp.ball.contains(p)) s->Li *= falloff(-s->wi);
-        if (is_zero(s->Li)) return std::nullopt;
+        if (!s)
+            return std::nullopt;
+        if (!lamp.ball.contains(p))
+            s->Li *= falloff(-s->wi);
+        if (is_zero(s->Li))
+            return std::nullopt;
         return s;
     }
     float pdf(Vec3f p, Vec3f wi) const { return lamp.pdf(p, wi); }
     std::optional<LightHit> intersect(const Ray& ray) const {
         auto h = lamp.intersect(ray);
-        if (!h) return std::nullopt;
-        if (!lamp.ball.contains(ray.o)) h->Le *= falloff(-ray.d);
-        if (is_zero(h->Le)) return std::nullopt;
+        if (!h)
+            return std::nullopt;
+        if (!lamp.ball.contains(ray.o))
+            h->Le *= falloff(-ray.d);
+        if (is_zero(h->Le))
+            return std::nullopt;
         return h;
     }
     /// A bare point is weighed by its cone; a ball by the whole of it, since parts of it may lie in the cone.
     float importance(Vec3f p) const {
-        return delta() ? lamp.importance(p) * falloff(safe_normalize(p - lamp.ball.center)) : lamp.importance(p);
+        return delta() ? lamp.importance(p) * falloff(safe_normalize(p - lamp.ball.center))
+                       : lamp.importance(p);
     }
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sun lamp: a cone of directions of constant radiance, the same from everywhere; a single direction for angle 0.
+// Sun lamp: a cone of directions of constant radiance, the same from everywhere; a single direction for angle
+// 0.
 #pragma once
 
 #include "lights/lamp_description.h"
@@ -18,10 +19,12 @@ struct SunLight {
         const float half = std::clamp(lamp.angle / 2, 0.0f, kPi);
         s.one_minus_cos = 2 * sqr(std::sin(half / 2));
         // Below single precision's resolution of directions the disc is a point: its irradiance counts.
-        if (half < 1e-7f) s.one_minus_cos = 0;
+        if (half < 1e-7f)
+            s.one_minus_cos = 0;
         const float area = half > 0 ? kPi * sqr(std::sin(half)) : 1;
         s.emission = lamp.normalize ? lamp.power / area : lamp.power;
-        if (s.delta() && half > 0) s.emission *= area;
+        if (s.delta() && half > 0)
+            s.emission *= area;
         return s;
     }
 
@@ -31,18 +34,20 @@ struct SunLight {
     Rgb power() const { return delta() ? emission : emission * solid_angle(); }
 
     std::optional<LightSample> sample(Vec3f, Vec2f u) const {
-        if (delta()) return LightSample{to_sun, kInfinity, emission, 1, true};
+        if (delta())
+            return LightSample{to_sun, kInfinity, emission, 1, true};
         const Vec3f wi = normalize(Frame(to_sun).to_world(sample_cone(u, one_minus_cos)));
         return LightSample{wi, kInfinity, emission, cone_pdf(one_minus_cos), false};
     }
     float pdf(Vec3f, Vec3f wi) const { return covers(wi) ? cone_pdf(one_minus_cos) : 0; }
     std::optional<LightHit> intersect(const Ray& ray) const {
-        if (ray.t_max < kInfinity || !covers(ray.d)) return std::nullopt;
+        if (ray.t_max < kInfinity || !covers(ray.d))
+            return std::nullopt;
         return LightHit{kInfinity, emission, cone_pdf(one_minus_cos)};
     }
     float importance(Vec3f) const { return mean(power()); }
 
-private:
+  private:
     /// 1 - cos by the chord: |wi - to_sun|^2 / 2, exact for tiny discs.
     bool covers(Vec3f wi) const {
         const Vec3f chord = wi - to_sun;

@@ -249,10 +249,12 @@ void BrickGridBuilder::find_bounds() {
     }
 }
 
-std::shared_ptr<const BrickGrid> BrickGridBuilder::finish(std::int64_t active_voxels) {
+std::shared_ptr<const BrickGrid> BrickGridBuilder::finish(std::int64_t active_voxels,
+                                                          const IndexBox& active_bounds) {
     collapse_blocks();
     find_bounds();
     grid_->active_voxels_ = active_voxels;
+    grid_->active_bounds_ = active_bounds;
     return std::shared_ptr<const BrickGrid>(std::move(grid_));
 }
 
@@ -269,7 +271,7 @@ std::shared_ptr<const BrickGrid> brick_grid_of_dense(std::array<int, 3> corner, 
         first[a] = aligned_down(corner[a], BrickGrid::kBrickSize);
         bricks *= static_cast<std::size_t>(std::max(0, (extent.max[a] - first[a]) / BrickGrid::kBrickSize + 1));
     }
-    if (extent.empty()) return BrickGridBuilder({}, background, type, 0).finish(0);
+    if (extent.empty()) return BrickGridBuilder({}, background, type, 0).finish(0, {});
     BrickGridBuilder builder(extent, background, type, bricks);
     float brick[BrickGrid::kBrickVoxels];
     for (int x = first[0]; x <= extent.max[0]; x += 8) {
@@ -287,7 +289,7 @@ std::shared_ptr<const BrickGrid> brick_grid_of_dense(std::array<int, 3> corner, 
             }
         }
     }
-    return builder.finish(std::int64_t{size[0]} * size[1] * size[2]);
+    return builder.finish(std::int64_t{size[0]} * size[1] * size[2], extent);
 }
 
 }  // namespace nephele

@@ -59,6 +59,8 @@ public:
     VoxelType voxel_type() const { return halves_ ? VoxelType::half_float : VoxelType::single_float; }
     /// Smallest box that holds every voxel whose value differs from the background.
     const IndexBox& bounds() const { return bounds_; }
+    /// Box of the source's active voxels. Where the background is not 0, this is what tells the volume's extent.
+    const IndexBox& active_bounds() const { return active_bounds_; }
     /// Number of active voxels of the source, those of tiles included.
     std::int64_t active_voxels() const { return active_voxels_; }
     std::size_t brick_count() const { return brick_count_; }
@@ -110,7 +112,7 @@ private:
     const float* floats_ = nullptr;
     std::unique_ptr<void, Free> storage_;
     float background_ = 0;
-    IndexBox bounds_;
+    IndexBox bounds_, active_bounds_;
     std::size_t brick_count_ = 0;
     std::int64_t active_voxels_ = 0;
 };
@@ -127,7 +129,8 @@ public:
     void set_tile(std::array<int, 3> corner, std::int64_t size, float value);
     /// Sets 8^3 voxels from 512 floats, z fastest. The corner is a multiple of 8.
     void set_brick(std::array<int, 3> corner, const float* values);
-    std::shared_ptr<const BrickGrid> finish(std::int64_t active_voxels);
+    /// The grid. Both arguments only describe the source, see BrickGrid.
+    std::shared_ptr<const BrickGrid> finish(std::int64_t active_voxels, const IndexBox& active_bounds);
 
 private:
     std::int32_t constant_entry(float value);

@@ -33,7 +33,7 @@ public:
     };
 
     /// `sigma_scale`: sigma_t that a value of 1 stands for, per unit of index space; it decides what merges.
-    /// Without minorants, `minorant()` is 0 everywhere and memory is halved.
+    /// Without minorants every minorant is 0, and memory is halved.
     explicit MajorantGrid(const BrickGrid& grid, float sigma_scale, bool with_minorants = false);
 
     float global_majorant() const { return global_majorant_; }

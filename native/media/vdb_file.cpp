@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading of OpenVDB files: the archive is parsed here, so that leaves can be converted one by one as they stream in.
+// Conversion of OpenVDB trees into BrickGrids.
 //
-// openvdb::io::File would hold the whole tree beside the result, copy files to a temporary folder, and trust their
-// counts. Here the topology is read first, then each leaf's voxels pass through one scratch leaf into their brick: the
-// peak is the result plus about 5 %. The stream throws at its end, so that no truncated file is read as garbage.
-// (Where the topology itself is damaged, OpenVDB leaks the node it was reading; nothing else is lost.)
+// A tree's topology is read first, then the voxels of each leaf pass through one scratch leaf into their brick, in the
+// order of the file: the peak of memory is the result plus the topology, about 5 %.
 
 // OpenVDB's headers assert what damaged files break; an assertion would take the host down with it.
 #ifndef NDEBUG
@@ -15,181 +13,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <new>
 #include <stdexcept>
 #include <type_traits>
 
-#include <openvdb/io/Archive.h>
 #include <openvdb/math/Transform.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetUtil.h>
+
+#include "media/vdb_archive.h"
 
 namespace nephele {
 
 namespace {
 
 using openvdb::Coord;
-
-constexpr char kHalfSuffix[] = "_HalfFloat";
-
-/// Where a file keeps a grid.
-struct Descriptor {
-    std::string unique_name, name, type, parent;  // parent: the grid whose tree this one shares, or empty
-    bool half = false;
-    std::int64_t position = 0;
-
-    std::string shown_name() const { return openvdb::io::GridDescriptor::nameAsString(unique_name); }
-};
-
-/// Reads the parts of a file; throws std::runtime_error, std::ios_base::failure or openvdb::Exception.
-class VdbReader : public openvdb::io::Archive {
-public:
-    explicit VdbReader(const std::string& path);
-
-    const std::vector<Descriptor>& descriptors() const { return descriptors_; }
-    std::istream& stream() { return stream_; }
-    const Descriptor& find(const std::string& grid_name) const;
-    /// The descriptor whose tree `d` uses: itself, or the grid it is an instance of.
-    const Descriptor& tree_owner(const Descriptor& d) const;
-    openvdb::MetaMap read_metadata(const Descriptor& d);
-    /// Metadata, then the transform; leaves the stream in front of the tree.
-    openvdb::GridBase::Ptr read_head(const Descriptor& d);
-
-private:
-    std::string read_name();
-    Descriptor read_descriptor(std::int64_t& end);
-    void read_descriptors();
-
-    // The stream keeps the address of this pointer.
-    openvdb::io::StreamMetadata::Ptr stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
-    std::ifstream stream_;
-    std::int64_t size_ = 0;
-    std::vector<Descriptor> descriptors_;
-};
-
-VdbReader::VdbReader(const std::string& path) : stream_(path, std::ios::binary) {
-    // Initialising registers all grid types, once, under OpenVDB's own lock.
-    static const bool initialized = (openvdb::initialize(), true);
-    static_cast<void>(initialized);
-    if (!stream_ || !std::filesystem::is_regular_file(path)) throw std::runtime_error("cannot be opened: check that the file exists and may be read");
-    stream_.exceptions(std::ios::failbit | std::ios::badbit);
-    stream_.seekg(0, std::ios::end);
-    size_ = stream_.tellg();
-    stream_.seekg(0);
-    std::int64_t magic = 0;
-    if (size_ >= 8) stream_.read(reinterpret_cast<char*>(&magic), 8);
-    if (magic != openvdb::OPENVDB_MAGIC) throw std::runtime_error("is not an OpenVDB file");
-    stream_.seekg(0);
-    readHeader(stream_);
-    openvdb::io::setStreamMetadataPtr(stream_, stream_metadata_, false);
-    setFormatVersion(stream_);
-    setLibraryVersion(stream_);
-    setDataCompression(stream_);
-    if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) {
-        throw std::runtime_error("has the outdated VDB format " + std::to_string(fileVersion()) +
-                                 ": open and save it with a program that uses a newer OpenVDB");
-    }
-    openvdb::MetaMap().readMeta(stream_);
-    read_descriptors();
-}
-
-std::string VdbReader::read_name() {
-    std::uint32_t length = 0;
-    stream_.read(reinterpret_cast<char*>(&length), sizeof(length));
-    if (length > 65536) throw std::runtime_error("is damaged: a name of " + std::to_string(length) + " letters");
-    std::string name(length, '\0');
-    stream_.read(name.data(), length);
-    return name;
-}
-
-Descriptor VdbReader::read_descriptor(std::int64_t& end) {
-    Descriptor d;
-    d.unique_name = read_name();
-    d.name = openvdb::io::GridDescriptor::stripSuffix(d.unique_name);
-    d.type = read_name();
-    if (d.type.ends_with(kHalfSuffix)) {
-        d.half = true;
-        d.type.resize(d.type.size() - (sizeof(kHalfSuffix) - 1));
-    }
-    d.parent = read_name();
-    std::int64_t offsets[3];  // of the grid, its blocks, its end; zeros where the writer could not seek
-    stream_.read(reinterpret_cast<char*>(offsets), sizeof(offsets));
-    d.position = inputHasGridOffsets() ? offsets[0] : std::int64_t{stream_.tellg()};
-    end = offsets[2];
-    return d;
-}
-
-void VdbReader::read_descriptors() {
-    const std::int32_t count = readGridCount(stream_);
-    for (std::int32_t n = 0; n < count; ++n) {
-        std::int64_t end = 0;
-        Descriptor d = read_descriptor(end);
-        if (inputHasGridOffsets()) {
-            if (d.position < stream_.tellg() || end < d.position) throw std::runtime_error("is damaged");
-            if (end > size_) {
-                throw std::runtime_error("is truncated: grid \"" + d.shown_name() + "\" ends at byte " +
-                                         std::to_string(end) + ", the file at byte " + std::to_string(size_));
-            }
-            descriptors_.push_back(std::move(d));
-        } else {  // the next descriptor comes after this grid's voxels, however many they are
-            const openvdb::GridBase::Ptr skipped = read_head(d);
-            if (d.parent.empty()) {
-                skipped->readTopology(stream_);
-                skipped->readBuffers(stream_);
-            }
-            end = stream_.tellg();
-            descriptors_.push_back(std::move(d));
-        }
-        stream_.seekg(end);
-    }
-}
-
-const Descriptor& VdbReader::find(const std::string& grid_name) const {
-    std::string names;
-    for (const Descriptor& d : descriptors_) {
-        if (d.shown_name() == grid_name) return d;
-        names += (names.empty() ? "" : ", ") + d.shown_name();
-    }
-    for (const Descriptor& d : descriptors_) {
-        if (d.name == grid_name) return d;
-    }
-    throw std::runtime_error("has no grid \"" + grid_name + "\"; its grids: " + (names.empty() ? "none" : names));
-}
-
-const Descriptor& VdbReader::tree_owner(const Descriptor& d) const {
-    if (d.parent.empty()) return d;
-    for (const Descriptor& other : descriptors_) {
-        if (other.unique_name == d.parent && other.parent.empty()) return other;
-    }
-    throw std::runtime_error("is damaged: the grid that \"" + d.shown_name() + "\" shares its voxels with is absent");
-}
-
-openvdb::MetaMap VdbReader::read_metadata(const Descriptor& d) {
-    stream_.seekg(d.position);
-    readGridCompression(stream_);
-    openvdb::MetaMap metadata;
-    metadata.readMeta(stream_);
-    return metadata;
-}
-
-openvdb::GridBase::Ptr VdbReader::read_head(const Descriptor& d) {
-    if (!openvdb::GridBase::isRegistered(d.type)) {
-        throw std::runtime_error("holds grid \"" + d.shown_name() + "\" of a type unknown here: " + d.type);
-    }
-    const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(d.type);
-    grid->setSaveFloatAsHalf(d.half);
-    grid->insertMeta(read_metadata(d));
-    grid->removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
-    openvdb::io::setGridClass(stream_, grid->getGridClass());
-    openvdb::io::setGridBackgroundValuePtr(stream_, nullptr);
-    grid->readTransform(stream_);
-    return grid;
-}
 
 // --- From tree to bricks ----------------------------------------------------------------------------------------
 
@@ -198,6 +38,12 @@ template <typename Value>
 float cleaned(const Value& value) {
     const auto v = static_cast<float>(value);
     return v >= 0 && v <= std::numeric_limits<float>::max() ? v : 0;
+}
+
+template <typename Vec3>
+IndexBox index_box(const Vec3& min, const Vec3& max) {
+    const IndexBox box{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
+    return box.empty() ? IndexBox{} : box;
 }
 
 /// Calls visit(corner, edge, value) for all constant cubes of a tree.
@@ -283,12 +129,14 @@ std::shared_ptr<const BrickGrid> bricks_of(const Tree& tree, VoxelType type, std
         for (openvdb::Index v = 0; v < Leaf::SIZE; ++v) voxels[v] = clean(source.getValue(v), 1);
         builder.set_brick({corner[0], corner[1], corner[2]}, voxels);
     });
-    return builder.finish(static_cast<std::int64_t>(tree.activeVoxelCount()));
+    openvdb::CoordBBox active;
+    tree.evalActiveVoxelBoundingBox(active);
+    return builder.finish(static_cast<std::int64_t>(tree.activeVoxelCount()), index_box(active.min(), active.max()));
 }
 
 /// Reads the tree of `grid`, in front of which the reader stands.
 template <typename Grid>
-void read_tree(VdbReader& reader, Grid& grid, const Descriptor& owner, LoadedGrid& out) {
+void read_tree(VdbReader& reader, Grid& grid, const VdbDescriptor& owner, LoadedGrid& out) {
     constexpr bool is_real = std::is_floating_point_v<typename Grid::ValueType>;
     constexpr bool is_bool = std::is_same_v<typename Grid::ValueType, bool>;
     std::istream* stream = &reader.stream();
@@ -313,7 +161,7 @@ void read_tree(VdbReader& reader, Grid& grid, const Descriptor& owner, LoadedGri
 
 /// Calls read_tree for the one of `Grids` that `grid` is; false where it is none of them.
 template <typename... Grids>
-bool read_tree_as(VdbReader& reader, openvdb::GridBase& grid, const Descriptor& owner, LoadedGrid& out) {
+bool read_tree_as(VdbReader& reader, openvdb::GridBase& grid, const VdbDescriptor& owner, LoadedGrid& out) {
     const auto attempt = [&]<typename Grid>(const Grid*) {
         if (!grid.isType<Grid>()) return false;
         read_tree(reader, static_cast<Grid&>(grid), owner, out);
@@ -338,11 +186,11 @@ void read_transform(const openvdb::math::Transform& transform, LoadedGrid& out) 
     }
 }
 
-LoadedGrid read_grid(VdbReader& reader, const Descriptor& d) {
+LoadedGrid read_grid(VdbReader& reader, const VdbDescriptor& d) {
     LoadedGrid out;
     openvdb::GridBase::Ptr grid = reader.read_head(d);
     read_transform(grid->transform(), out);
-    const Descriptor& owner = reader.tree_owner(d);
+    const VdbDescriptor& owner = reader.tree_owner(d);
     if (&owner != &d) {
         const openvdb::GridClass grid_class = grid->getGridClass();
         grid = reader.read_head(owner);
@@ -356,7 +204,7 @@ LoadedGrid read_grid(VdbReader& reader, const Descriptor& d) {
     return out;
 }
 
-GridInfo read_info(VdbReader& reader, const Descriptor& d) {
+GridInfo read_info(VdbReader& reader, const VdbDescriptor& d) {
     GridInfo info{d.shown_name(), d.type, d.half, 0, {}, {}};
     openvdb::MetaMap metadata = reader.read_metadata(d);
     metadata.removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
@@ -371,22 +219,15 @@ GridInfo read_info(VdbReader& reader, const Descriptor& d) {
     if (count && min && max) {
         info.type = GridBase::createGrid(d.type)->valueType();
         info.active_voxels = count->value();
-        for (std::size_t a = 0; a < 3; ++a) {
-            info.active_bounds.min[a] = min->value()[static_cast<int>(a)];
-            info.active_bounds.max[a] = max->value()[static_cast<int>(a)];
-        }
+        info.active_bounds = index_box(min->value(), max->value());
     } else {
         const GridBase::Ptr grid = reader.read_head(reader.tree_owner(d));
         grid->readTopology(reader.stream());
         const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
         info.type = grid->valueType();
         info.active_voxels = static_cast<std::int64_t>(grid->activeVoxelCount());
-        for (std::size_t a = 0; a < 3; ++a) {
-            info.active_bounds.min[a] = box.min()[static_cast<int>(a)];
-            info.active_bounds.max[a] = box.max()[static_cast<int>(a)];
-        }
+        info.active_bounds = index_box(box.min(), box.max());
     }
-    if (info.active_voxels == 0) info.active_bounds = {};
     return info;
 }
 
@@ -410,7 +251,7 @@ auto naming(const std::string& what, const F& f) {
 
 LoadedGrid load_grid(const std::string& path, const std::string& grid_name) {
     const auto reader = naming(path, [&] { return std::make_unique<VdbReader>(path); });
-    const Descriptor& d = naming(path, [&]() -> std::reference_wrapper<const Descriptor> {
+    const VdbDescriptor& d = naming(path, [&]() -> std::reference_wrapper<const VdbDescriptor> {
         return reader->find(grid_name);
     });
     const std::string what = path + ": grid \"" + d.shown_name() + '"';
@@ -423,7 +264,7 @@ std::vector<GridInfo> list_grids(const std::string& path) {
     return naming(path, [&] {
         VdbReader reader(path);
         std::vector<GridInfo> out;
-        for (const Descriptor& d : reader.descriptors()) out.push_back(read_info(reader, d));
+        for (const VdbDescriptor& d : reader.descriptors()) out.push_back(read_info(reader, d));
         return out;
     });
 }

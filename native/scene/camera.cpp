@@ -9,16 +9,18 @@ namespace nephele {
 
 namespace {
 
-/// Rotation and translation of a camera's matrix: as in Blender, a scale or mirroring of its object changes nothing
-/// but the axes' directions.
+/// Rotation and translation of a camera's matrix: as in Blender, a scale or mirroring of its object changes
+/// nothing but the axes' directions.
 Transform without_scale(const CameraDescription& camera) {
     Transform m = transform_of(camera.world_from_camera);
     for (int c = 0; c < 3; ++c) {
         const float scale = length(m.column(c));
         if (!(scale > 0) || !std::isfinite(scale)) {
-            throw std::invalid_argument("camera '" + camera.name + "': its transform is singular; give it a scale of 1");
+            throw std::invalid_argument("camera '" + camera.name +
+                                        "': its transform is singular; give it a scale of 1");
         }
-        for (std::size_t r = 0; r < 3; ++r) m.row[r][c] /= scale;
+        for (std::size_t r = 0; r < 3; ++r)
+            m.row[r][c] /= scale;
     }
     return m;
 }
@@ -27,21 +29,36 @@ void check(const CameraDescription& camera) {
     const auto reject = [&](const char* fault) {
         throw std::invalid_argument("camera '" + camera.name + "': " + fault);
     };
-    if (!(camera.right > camera.left && camera.top > camera.bottom)) reject("its frame has no area");
-    if (!(camera.clip_start >= 0 && camera.clip_end > camera.clip_start)) reject("its clipping range is empty");
-    if (!(camera.aperture_radius >= 0)) reject("its aperture radius must be 0 m or more");
-    if (!(camera.aperture_ratio > 0)) reject("its aperture ratio must be above 0");
-    if (camera.blades != 0 && camera.blades < 3) reject("its aperture must have 0 blades, or 3 or more");
-    if (camera.aperture_radius > 0 && !(camera.focus_distance > 0)) reject("its focus distance must be above 0 m");
+    if (!(camera.right > camera.left && camera.top > camera.bottom))
+        reject("its frame has no area");
+    if (!(camera.clip_start >= 0 && camera.clip_end > camera.clip_start))
+        reject("its clipping range is empty");
+    if (!(camera.aperture_radius >= 0))
+        reject("its aperture radius must be 0 m or more");
+    if (!(camera.aperture_ratio > 0))
+        reject("its aperture ratio must be above 0");
+    if (camera.blades != 0 && camera.blades < 3)
+        reject("its aperture must have 0 blades, or 3 or more");
+    if (camera.aperture_radius > 0 && !(camera.focus_distance > 0))
+        reject("its focus distance must be above 0 m");
 }
 
 }  // namespace
 
 Camera::Camera(const CameraDescription& d)
-    : kind_(d.kind), world_from_camera_(without_scale(d)), left_(d.left), right_(d.right), bottom_(d.bottom), top_(d.top),
-      clip_start_(d.clip_start), clip_end_(d.clip_end), aperture_radius_(d.aperture_radius),
-      blades_rotation_(d.blades_rotation), inverse_aperture_ratio_(1 / d.aperture_ratio),
-      focus_distance_(d.focus_distance), blades_(d.blades) {
+    : kind_(d.kind),
+      world_from_camera_(without_scale(d)),
+      left_(d.left),
+      right_(d.right),
+      bottom_(d.bottom),
+      top_(d.top),
+      clip_start_(d.clip_start),
+      clip_end_(d.clip_end),
+      aperture_radius_(d.aperture_radius),
+      blades_rotation_(d.blades_rotation),
+      inverse_aperture_ratio_(1 / d.aperture_ratio),
+      focus_distance_(d.focus_distance),
+      blades_(d.blades) {
     check(d);
 }
 
@@ -64,8 +81,10 @@ Vec2f Camera::sample_lens(Vec2f u) const {
 }
 
 Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size) const {
-    const auto x = static_cast<float>(left_ + (right_ - left_) * (double{film_position.x} / double{film_size.x}));
-    const auto y = static_cast<float>(bottom_ + (top_ - bottom_) * (double{film_position.y} / double{film_size.y}));
+    const auto x =
+        static_cast<float>(left_ + (right_ - left_) * (double{film_position.x} / double{film_size.x}));
+    const auto y =
+        static_cast<float>(bottom_ + (top_ - bottom_) * (double{film_position.y} / double{film_size.y}));
     Vec3f o = perspective() ? Vec3f(0) : Vec3f(x, y, 0);
     Vec3f d = perspective() ? Vec3f(x, y, -1) : Vec3f(0, 0, -1);
     if (aperture_radius_ > 0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Perspective and orthographic cameras with a thin lens.
-// The camera looks along its local -z, y up; film positions are in pixels, (0, 0) the bottom left corner of the frame.
+// The camera looks along its local -z, y up; film positions are in pixels, (0, 0) the bottom left corner of
+// the frame.
 #pragma once
 
 #include <string>
@@ -16,23 +17,26 @@ struct CameraDescription {
     std::string name;
     Kind kind = Kind::perspective;
     double world_from_camera[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    double left = -1, right = 1, bottom = -1, top = 1;  ///< full frame at distance 1, or in metres (orthographic)
-    float clip_start = 0, clip_end = kInfinity;         ///< m along the view axis
-    float aperture_radius = 0;                          ///< m; 0: pinhole
-    int blades = 0;                                     ///< 0: round
-    float blades_rotation = 0;                          ///< rad
-    float aperture_ratio = 1;                           ///< > 1 narrows the lens along the camera's x
-    float focus_distance = 1;                           ///< m along the view axis
+    double left = -1, right = 1, bottom = -1,
+           top = 1;                              ///< full frame at distance 1, or in metres (orthographic)
+    float clip_start = 0, clip_end = kInfinity;  ///< m along the view axis
+    float aperture_radius = 0;                   ///< m; 0: pinhole
+    int blades = 0;                              ///< 0: round
+    float blades_rotation = 0;                   ///< rad
+    float aperture_ratio = 1;                    ///< > 1 narrows the lens along the camera's x
+    float focus_distance = 1;                    ///< m along the view axis
 };
 
 class Camera {
-public:
-    /// Throws std::invalid_argument naming the camera and the fault. A scale of the camera's object is ignored.
+  public:
+    /// Throws std::invalid_argument naming the camera and the fault. A scale of the camera's object is
+    /// ignored.
     explicit Camera(const CameraDescription& description);
     Camera() : Camera(CameraDescription{}) {}
 
-    /// The world-space ray through a film position (pixels of a frame of film_size); lens_u in [0,1)^2 picks the point
-    /// on the lens. d has unit length; t_min and t_max are where the ray crosses the clipping planes.
+    /// The world-space ray through a film position (pixels of a frame of film_size); lens_u in [0,1)^2 picks
+    /// the point on the lens. d has unit length; t_min and t_max are where the ray crosses the clipping
+    /// planes.
     Ray generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size) const;
 
     bool perspective() const { return kind_ == CameraDescription::Kind::perspective; }
@@ -41,16 +45,18 @@ public:
     Vec3f forward() const { return -world_from_camera_.column(2); }
     /// World to camera space with z forward (Blender's Camera coordinates and Depth are measured in it).
     Vec3f to_camera(Vec3f world_point) const;
-    /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give nonsense.
+    /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give
+    /// nonsense.
     Vec2f project(Vec3f world_point, Vec2f film_size) const;
 
-private:
+  private:
     Vec2f sample_lens(Vec2f u) const;
 
     CameraDescription::Kind kind_;
     Transform world_from_camera_;  // rotation and translation only
     double left_, right_, bottom_, top_;
-    float clip_start_, clip_end_, aperture_radius_, blades_rotation_, inverse_aperture_ratio_, focus_distance_;
+    float clip_start_, clip_end_, aperture_radius_, blades_rotation_, inverse_aperture_ratio_,
+        focus_distance_;
     int blades_;
 };
 

@@ -7,24 +7,32 @@
 namespace nephele {
 
 PixelFilter::PixelFilter(Kind kind, float width) : kind_(kind), width_(width) {
-    if (!(width > 0) || !std::isfinite(width)) throw std::invalid_argument("the pixel filter's width must be above 0");
+    if (!(width > 0) || !std::isfinite(width))
+        throw std::invalid_argument("the pixel filter's width must be above 0");
     reach_ = kind == Kind::box ? 0.5f : kind == Kind::gaussian ? 1.5f * width : width;
-    if (kind == Kind::box) return;
+    if (kind == Kind::box)
+        return;
 
     std::vector<double> values, integrals{0};
-    for (int i = 0; i <= kCells; ++i) values.push_back(std::max(0.0, value(double{reach_} * i / kCells)));
-    for (std::size_t i = 0; i < kCells; ++i) integrals.push_back(integrals[i] + 0.5 * (values[i] + values[i + 1]));
+    for (int i = 0; i <= kCells; ++i)
+        values.push_back(std::max(0.0, value(double{reach_} * i / kCells)));
+    for (std::size_t i = 0; i < kCells; ++i)
+        integrals.push_back(integrals[i] + 0.5 * (values[i] + values[i + 1]));
     const double total = integrals.back();
-    for (const double v : values) values_.push_back(static_cast<float>(v / total));
-    for (const double v : integrals) integrals_.push_back(static_cast<float>(v / total));
+    for (const double v : values)
+        values_.push_back(static_cast<float>(v / total));
+    for (const double v : integrals)
+        integrals_.push_back(static_cast<float>(v / total));
     scale_ = kCells / (2 * double{reach_} * total);
 }
 
 /// Unnormalised filter at a distance x >= 0 from the centre.
 double PixelFilter::value(double x) const {
-    if (kind_ == Kind::box) return 1;
+    if (kind_ == Kind::box)
+        return 1;
     const double v = x / double{width_};
-    if (kind_ == Kind::gaussian) return std::exp(-8 * v * v);
+    if (kind_ == Kind::gaussian)
+        return std::exp(-8 * v * v);
     const double a = std::numbers::pi * (v + 1);  // the window's argument: pi at its centre, 2 pi at its end
     return 0.35875 - 0.48829 * std::cos(a) + 0.14128 * std::cos(2 * a) - 0.01168 * std::cos(3 * a);
 }
@@ -34,7 +42,8 @@ float PixelFilter::density(float x) const {
 }
 
 float PixelFilter::offset(float u) const {
-    if (kind_ == Kind::box) return u - 0.5f;
+    if (kind_ == Kind::box)
+        return u - 0.5f;
     const float t = 2 * u - 1, target = std::fabs(t);
     const auto above = std::upper_bound(integrals_.begin() + 1, integrals_.end() - 1, target);
     const auto cell = static_cast<std::size_t>(above - integrals_.begin()) - 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The film's reconstruction filter, sampled: each camera ray takes its offset from the pixel's centre with a density
-// proportional to the filter, so that every sample has weight 1 (Ernst, Stamminger, Greiner 2006, "Filter Importance
-// Sampling"). Shapes and widths as in Cycles: box is one pixel wide whatever the width; the Gaussian exp(-8 (x/w)^2) is cut
-// at 1.5 w; the Blackman-Harris window reaches w to each side.
+// The film's reconstruction filter, sampled: each camera ray takes its offset from the pixel's centre with a
+// density proportional to the filter, so that every sample has weight 1 (Ernst, Stamminger, Greiner 2006,
+// "Filter Importance Sampling"). Shapes and widths as in Cycles: box is one pixel wide whatever the width;
+// the Gaussian exp(-8 (x/w)^2) is cut at 1.5 w; the Blackman-Harris window reaches w to each side.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 namespace nephele {
 
 class PixelFilter {
-public:
+  public:
     enum class Kind { box, gaussian, blackman_harris };
 
     /// width in pixels, > 0. Throws std::invalid_argument otherwise.
@@ -26,7 +26,7 @@ public:
     /// Largest offset, pixels.
     float reach() const { return reach_; }
 
-private:
+  private:
     float offset(float u) const;
     double value(double x) const;
 
@@ -34,8 +34,9 @@ private:
 
     Kind kind_;
     float width_, reach_;
-    double scale_ = 1;              // from value to density
-    std::vector<float> values_;     // at the edges of the cells, from the centre outwards; scaled so that the half's
+    double scale_ = 1;  // from value to density
+    std::vector<float>
+        values_;  // at the edges of the cells, from the centre outwards; scaled so that the half's
     std::vector<float> integrals_;  // integral, over cells of width 1, is 1
 };
 

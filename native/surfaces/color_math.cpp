@@ -67,20 +67,26 @@ Rgb blend_hsv(BlendMode mode, Rgb a, Rgb b, float t) {
     return lerp(a, rgb_from_hsv(target), t);
 }
 
-/// Piecewise Gaussian of the wavelength in nm.
-double lump(double wavelength, double centre, double below, double above) {
-    const double t = (wavelength - centre) * (wavelength < centre ? below : above);
-    return std::exp(-0.5 * t * t);
-}
+/// CIE 1931 colour matching functions of the 2 degree observer from 380 nm in steps of 10 nm. (Their usual fits by sums
+/// of Gaussians are too coarse in the far red, where the fires of 1000 to 1500 K shine.)
+constexpr double kObserver[][3] = {
+    {0.0014, 0.0000, 0.0065}, {0.0042, 0.0001, 0.0201}, {0.0143, 0.0004, 0.0679}, {0.0435, 0.0012, 0.2074},
+    {0.1344, 0.0040, 0.6456}, {0.2839, 0.0116, 1.3856}, {0.3483, 0.0230, 1.7471}, {0.3362, 0.0380, 1.7721},
+    {0.2908, 0.0600, 1.6692}, {0.1954, 0.0910, 1.2876}, {0.0956, 0.1390, 0.8130}, {0.0320, 0.2080, 0.4652},
+    {0.0049, 0.3230, 0.2720}, {0.0093, 0.5030, 0.1582}, {0.0633, 0.7100, 0.0782}, {0.1655, 0.8620, 0.0422},
+    {0.2904, 0.9540, 0.0203}, {0.4334, 0.9950, 0.0087}, {0.5945, 0.9950, 0.0039}, {0.7621, 0.9520, 0.0021},
+    {0.9163, 0.8700, 0.0017}, {1.0263, 0.7570, 0.0011}, {1.0622, 0.6310, 0.0008}, {1.0026, 0.5030, 0.0003},
+    {0.8544, 0.3810, 0.0002}, {0.6424, 0.2650, 0.0000}, {0.4479, 0.1750, 0.0000}, {0.2835, 0.1070, 0.0000},
+    {0.1649, 0.0610, 0.0000}, {0.0874, 0.0320, 0.0000}, {0.0468, 0.0170, 0.0000}, {0.0227, 0.0082, 0.0000},
+    {0.0114, 0.0041, 0.0000}, {0.0058, 0.0021, 0.0000}, {0.0029, 0.00105, 0.0000}, {0.0014, 0.00052, 0.0000},
+    {0.0007, 0.00025, 0.0000}, {0.0003, 0.00012, 0.0000}, {0.0002, 0.00006, 0.0000}};
 
 Rgb integrate_blackbody(double kelvin) {
-    double xyz[3] = {};
-    for (double nm = 360; nm <= 830; nm += 2) {
+    double xyz[3] = {}, nm = 380;
+    for (const auto& response : kObserver) {
         const double planck = std::pow(560 / nm, 5) / std::expm1(1.438776877e7 / (nm * kelvin));
-        xyz[0] += planck * (0.362 * lump(nm, 442.0, 0.0624, 0.0374) + 1.056 * lump(nm, 599.8, 0.0264, 0.0323) -
-                            0.065 * lump(nm, 501.1, 0.0490, 0.0382));
-        xyz[1] += planck * (0.821 * lump(nm, 568.8, 0.0213, 0.0247) + 0.286 * lump(nm, 530.9, 0.0613, 0.0322));
-        xyz[2] += planck * (1.217 * lump(nm, 437.0, 0.0845, 0.0278) + 0.681 * lump(nm, 459.0, 0.0385, 0.0725));
+        for (int k = 0; k < 3; ++k) xyz[k] += planck * response[k];
+        nm += 10;
     }
     const double x = xyz[0] / xyz[1], z = xyz[2] / xyz[1];
     const Rgb rgb(static_cast<float>(3.2404542 * x - 1.5371385 - 0.4985314 * z),

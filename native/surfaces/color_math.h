@@ -20,8 +20,7 @@ Rgb blend(BlendMode mode, Rgb a, Rgb b, float t);
 Rgb adjust_hue_saturation(Rgb a, float hue, float saturation, float value, float t);
 
 /// Colour of a blackbody at `kelvin` with luminance 1; channels outside the gamut are cut to 0. Planck's law over the
-/// CIE 1931 observer, its matching functions as fitted by Wyman, Sloan and Shirley (JCGT 2(2), 2013). Tabulated, and
-/// constant below 800 K and above 12000 K as in Blender.
+/// CIE 1931 observer. Tabulated, and constant below 800 K and above 12000 K as in Blender.
 Rgb blackbody_color(float kelvin);
 
 }  // namespace nephele

@@ -69,7 +69,7 @@ struct ReflectionTable {
     std::array<float, kFine> mean{};
 
     ReflectionTable() {
-        constexpr int kSamples = 512;
+        constexpr int kSamples = 1024;
         for (int j = 0; j < kFine; ++j) {
             const Microfacet facets{sqr(node(j, kFine)), false};
             for (int i = 0; i < kFine; ++i) albedo.at(i, j) = integrate(direction(node_mu(i, kFine)), facets, kSamples);
@@ -135,7 +135,7 @@ struct DielectricTable {
     }
     /// Fills all indices of refraction for one direction and roughness.
     void integrate(int j, int i) {
-        constexpr int kSamples = 128;
+        constexpr int kSamples = 512;
         const Microfacet facets{std::max(sqr(node(j, kCoarse)), 2 * Microfacet::kSpecularAlpha), false};
         const Vec3f wo = direction(node_mu(i, kCoarse));
         visit_normals(wo, facets, kSamples, [&](Vec3f h) {
@@ -183,7 +183,7 @@ struct SheenTable {
     SheenTable() {
         constexpr int kSamples = 1024;
         for (int j = 0; j < kFine; ++j) {
-            const Sheen sheen{node(j, kFine)};
+            const Sheen sheen{node(j, kFine), 1};
             for (int i = 0; i < kFine; ++i) {
                 const Vec3f wo = direction(node_mu(i, kFine));
                 double sum = 0;

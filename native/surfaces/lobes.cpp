@@ -55,9 +55,10 @@ struct FujiiAlbedo {
     float mean() const { return a * (1 + (2.0f / 3 - 28 * kInvPi / 15) * r); }
 };
 
-/// Colour of the light that left after more than one bounce between facets.
+/// Colour of the light that left after more than one bounce between facets. The paper has color^2; Cycles scales its
+/// whole lobe by the colour and so has color^3, measured as 0.879 against 0.896 of albedo 0.2 at roughness 0.5.
 Rgb multiple_scattering_color(Rgb color, float mean_albedo) {
-    return color * color * mean_albedo / (Rgb(1) - color * (1 - mean_albedo));
+    return color * color * color * mean_albedo / (Rgb(1) - color * (1 - mean_albedo));
 }
 
 }  // namespace
@@ -88,9 +89,18 @@ LobeValue Sheen::eval(Vec3f wo, Vec3f wi) const {
     const float exponent = 1 / std::max(alpha, 0.05f), sine = std::sqrt(std::max(0.0f, h.x * h.x + h.y * h.y));
     const float D = (2 + exponent) * std::pow(sine, exponent) * (0.5f * kInvPi);
     const float visibility = 0.25f / (wo.z + wi.z - wo.z * wi.z);  // Neubelt and Pettineo 2013
-    return {Rgb(D * visibility * wi.z), wi.z * kInvPi};
+    return {Rgb(scale * D * visibility * wi.z), wi.z * kInvPi};
 }
 std::optional<LobeSample> Sheen::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
-Rgb Sheen::albedo(Vec3f wo) const { return Rgb(sheen_albedo(wo.z, alpha)); }
+Rgb Sheen::albedo(Vec3f wo) const { return Rgb(scale * sheen_albedo(wo.z, alpha)); }
+
+Sheen make_sheen(float roughness, float mu) {
+    // Fit of ours to albedos measured in renders of Cycles 5.0's Sheen BSDF under a white sky, roughness 0.05 to 1 and
+    // angles 0 to 86 degrees; largest error 0.036. The shape stays Charlie's, kept broad.
+    const float r = clamp01(std::max(roughness, 0.02f)), m = clamp01(mu);
+    const float albedo = std::exp(-0.320f - 0.755f * std::pow(r, -1.581f) * m) * std::pow(r, 2.027f * m * m);
+    const Sheen plain{0.25f + 0.75f * r};
+    return {plain.alpha, albedo / std::max(sheen_albedo(m, plain.alpha), 1e-3f)};
+}
 
 }  // namespace nephele

@@ -54,7 +54,7 @@ struct Translucent {
 
 /// Rough diffuse reflection that keeps its energy: Fujii's Oren-Nayar with multiple scattering (Portsmouth, Kutz and
 /// Hill 2024, "EON: a practical energy-preserving rough diffuse BRDF"). color is part of the lobe, since light that
-/// bounces between facets takes it up more than once.
+/// bounces between facets takes it up more than once; as in Cycles, the paper's colour of those bounces counts once more.
 struct RoughDiffuse {
     Rgb color{1};
     float roughness = 0;  ///< [0,1]
@@ -98,12 +98,16 @@ private:
 /// Cloth-like reflection at grazing angles (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF").
 struct Sheen {
     float alpha = 0.5f;
+    float scale = 1;  ///< towards this wo, so that the albedo is a wanted one; see make_sheen
 
     bool specular() const { return false; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
 };
+
+/// A Sheen lobe seen from cosine mu whose albedo follows the Sheen BSDF of Cycles (microfibres).
+Sheen make_sheen(float roughness, float mu);
 
 using LobeModel = std::variant<Lambert, Translucent, RoughDiffuse, Reflection, Dielectric, Sheen>;
 

@@ -30,11 +30,11 @@ Rgb add_sheen(const Principled& p, Rgb weight, Bsdf* bsdf) {
     const float amount = p.unit(principled_input::sheen_weight);
     if (amount == 0) return weight;
     const Vec3f n = p.normal(principled_input::normal);
-    const Sheen sheen{clamp01(p.value(principled_input::sheen_roughness))};
+    const float mu = dot(n, p.point.wo);
+    const Sheen sheen = make_sheen(p.unit(principled_input::sheen_roughness), mu);
     const Rgb tint = amount * p.color(principled_input::sheen_tint);
     if (bsdf) bsdf->add(sheen, weight * tint, n);
-    const float mu = dot(n, p.point.wo);
-    return under_layer(weight, tint * sheen_albedo(mu, sheen.alpha));
+    return under_layer(weight, tint * sheen.albedo({0, 0, mu}));
 }
 
 /// Adds the coat and returns the weight of what lies beneath, tinted by the light's way through the coat and back.
@@ -140,8 +140,8 @@ Vec3f bent_normal(Vec3f n, Vec3f ng, Vec3f wo) {
     const float cos_o = dot(wo, ng);
     const Vec3f mirrored = 2 * dot(wo, n) * n - wo;
     const float height = dot(mirrored, ng), least = std::min(0.9f * cos_o, 0.01f);
-    if (height >= least) return n;
-    const Vec3f lifted = safe_normalize(mirrored + (least - height) * ng);
+    if (height >= least && dot(n, wo) > 0) return n;
+    const Vec3f lifted = safe_normalize(mirrored + std::max(0.0f, least - height) * ng);
     const Vec3f half = lifted + wo;
     return dot(half, half) > 1e-8f ? normalize(half) : ng;
 }

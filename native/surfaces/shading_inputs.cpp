@@ -68,10 +68,11 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
         case Op::camera_coordinate: return camera_point(point, context) * Vec3f(1, 1, -1);
         case Op::window_coordinate: return window(point, context);
         case Op::position: return point.p;
-        case Op::normal: return point.ns;
+        // The world's normals face the viewer, as in Cycles.
+        case Op::normal: return point.instance ? point.ns : point.wo;
         case Op::normal_object:
-            return point.instance ? safe_normalize(point.instance->world_from_object.transposed_vector(point.ns)) : point.ns;
-        case Op::geometric_normal: return point.ng;
+            return point.instance ? safe_normalize(point.instance->world_from_object.transposed_vector(point.ns)) : point.wo;
+        case Op::geometric_normal: return point.instance ? point.ng : point.wo;
         case Op::incoming: return point.wo;
         case Op::reflection: return point.instance ? 2 * dot(point.ns, point.wo) * point.ns - point.wo : point.wo;
         case Op::backfacing: return Vec3f(point.backfacing ? 1.0f : 0.0f);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One declaration each: properties, passes, opcodes and closures agree with their tables and with Blender's nodes."""
+"""One declaration each: properties, passes, opcodes and closures agree with their tables and with Blender's
+nodes."""
 
 import ast
 import subprocess
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from nephele import opcodes, parameters, passes, properties
 from nephele.export import nodes, nodes_closure, nodes_fold, nodes_volume
+from programs import with_nodes
 
 ADDON = Path(properties.__file__).parent
 
@@ -70,14 +72,22 @@ def test_folded_operations_exist():
 def test_operations_not_folded_need_the_shading_point_or_data():
     start = list(opcodes.OPCODES)
     inputs = set(start[: start.index("image")])
-    known = {"image", "image_alpha", "environment", "environment_mirror_ball", "checker", "checker_fac", "noise"}
+    known = {
+        "image",
+        "image_alpha",
+        "environment",
+        "environment_mirror_ball",
+        "checker",
+        "checker_fac",
+        "noise",
+    }
     shading = {"gradient", "fresnel", "layer_weight", "normal_map"}
     assert set(opcodes.OPCODES) - set(nodes_fold.FOLD) == inputs | known | shading
 
 
 def node_types(bpy):
     """Returns node type ("BSDF_GLASS") -> node of every shader node of this Blender."""
-    tree = bpy.data.materials.new("Nodes").node_tree
+    tree = with_nodes(bpy.data.materials.new("Nodes")).node_tree
     found = {}
     for name in dir(bpy.types):
         if name.startswith("ShaderNode"):
@@ -150,7 +160,9 @@ def test_contract_knows_neither_bpy_nor_native(name):
 def test_manifest():
     """What `blender --command extension validate` asks for."""
     manifest = tomllib.loads((ADDON / "blender_manifest.toml").read_text())
-    assert {"schema_version", "id", "version", "name", "tagline", "maintainer", "type", "license"} <= set(manifest)
+    assert {"schema_version", "id", "version", "name", "tagline", "maintainer", "type", "license"} <= set(
+        manifest
+    )
     assert manifest["blender_version_min"] == "4.2.0"
     for text in (manifest["tagline"], *manifest["permissions"].values()):
         assert len(text) <= 64

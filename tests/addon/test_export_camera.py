@@ -4,10 +4,12 @@
 import numpy as np
 import pytest
 from nephele.export import ExportError
+from programs import with_nodes
 
 
 def expected_viewplane(data, width, height, aspect):
-    """The viewplane by Blender's rules, written out: sensor fit, shift in units of the fitted side, pixel aspect."""
+    """The viewplane by Blender's rules, written out: sensor fit, shift in units of the fitted side, pixel
+    aspect."""
     wide, high = width * aspect[0], height * aspect[1]
     horizontal = data.sensor_fit == "HORIZONTAL" or (data.sensor_fit == "AUTO" and wide >= high)
     sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
@@ -106,7 +108,7 @@ def test_empty_border_is_an_error(bpy, export):
 
 def test_film_properties(bpy, export):
     scene, layer = bpy.context.scene, bpy.context.view_layer
-    scene.world = bpy.data.worlds.new("World")
+    scene.world = with_nodes(bpy.data.worlds.new("World"))
     mist = scene.world.mist_settings
     mist.start, mist.depth, mist.falloff = 1.5, 40.0, "INVERSE_QUADRATIC"
     scene.render.film_transparent = True

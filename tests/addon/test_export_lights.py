@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from nephele.export.blackbody import blackbody_rgb
+from programs import with_nodes
 
 
 @pytest.fixture
@@ -65,13 +66,21 @@ def test_area(light, export, shape, expected):
 @pytest.mark.skipif("__import__('bpy').app.version < (4, 5, 0)", reason="Blender has these since 4.5")
 def test_exposure_temperature_normalize(light, export):
     data = light("POINT")
-    data.energy, data.exposure, data.use_temperature, data.temperature, data.normalize = 1.0, 2.0, True, 3000.0, False
+    data.energy, data.exposure, data.use_temperature, data.temperature, data.normalize = (
+        1.0,
+        2.0,
+        True,
+        3000.0,
+        False,
+    )
     (result,) = export().lights
     assert result.power == pytest.approx(tuple(4 * c for c in data.temperature_color), rel=1e-5)
     assert not result.normalize
 
 
-@pytest.mark.skipif("__import__('bpy').app.version < (4, 5, 0)", reason="Blender has temperature_color since 4.5")
+@pytest.mark.skipif(
+    "__import__('bpy').app.version < (4, 5, 0)", reason="Blender has temperature_color since 4.5"
+)
 @pytest.mark.parametrize("kelvin", [1500, 2700, 4000, 6500, 9000, 12000])
 def test_blackbody_agrees_with_blender(light, kelvin):
     """To 3 % of the largest channel: both fit the observer, each its own way."""
@@ -114,7 +123,7 @@ def test_no_world_is_black(export):
 
 
 def test_background(bpy, export):
-    world = bpy.context.scene.world = bpy.data.worlds.new("World")
+    world = bpy.context.scene.world = with_nodes(bpy.data.worlds.new("World"))
     background = world.node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (0.1, 0.2, 0.3, 1.0)
     background.inputs["Strength"].default_value = 2.0
@@ -126,7 +135,7 @@ def test_background(bpy, export):
 
 
 def test_world_volume(bpy, export):
-    world = bpy.context.scene.world = bpy.data.worlds.new("World")
+    world = bpy.context.scene.world = with_nodes(bpy.data.worlds.new("World"))
     tree = world.node_tree
     scatter = tree.nodes.new("ShaderNodeVolumeScatter")
     scatter.inputs["Density"].default_value = 0.05

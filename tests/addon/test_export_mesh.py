@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from programs import with_nodes
 
 QUAD = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
@@ -18,8 +19,9 @@ def quad(bpy, link):
 
 
 def material_with(bpy, *steps):
-    """Returns a new material whose Base Color is fed by a node of type steps[0], set up by the dict steps[1]."""
-    material = bpy.data.materials.new("Material")
+    """Returns a new material whose Base Color is fed by a node of type steps[0], set up by the dict
+    steps[1]."""
+    material = with_nodes(bpy.data.materials.new("Material"))
     tree = material.node_tree
     node = tree.nodes.new(steps[0])
     for name, value in steps[1].items():
@@ -120,7 +122,11 @@ def test_wire_without_faces_is_left_out(bpy, link, export):
 
 def test_smooth_flat_and_custom_normals(bpy, quad, export):
     mesh = bpy.data.meshes.new("Roof")
-    mesh.from_pydata([(0, -1, 0), (0, 1, 0), (-1, -1, -1), (-1, 1, -1), (1, -1, -1), (1, 1, -1)], [], [(0, 1, 3, 2), (1, 0, 4, 5)])
+    mesh.from_pydata(
+        [(0, -1, 0), (0, 1, 0), (-1, -1, -1), (-1, 1, -1), (1, -1, -1), (1, 1, -1)],
+        [],
+        [(0, 1, 3, 2), (1, 0, 4, 5)],
+    )
     quad.data = mesh
     assert export().meshes[0].corner_normals is None
     mesh.shade_smooth()
@@ -134,14 +140,18 @@ def test_smooth_flat_and_custom_normals(bpy, quad, export):
 def test_material_slots(bpy, export, link):
     mesh = bpy.data.meshes.new("Two")
     mesh.from_pydata([*QUAD, (3, -1, 0), (3, 1, 0)], [], [(0, 1, 2, 3), (1, 4, 5, 2)])
-    red, blue = bpy.data.materials.new("Red"), bpy.data.materials.new("Blue")
+    red, blue = with_nodes(bpy.data.materials.new("Red")), with_nodes(bpy.data.materials.new("Blue"))
     mesh.materials.append(red)
     mesh.materials.append(None)
     mesh.materials.append(blue)
     mesh.polygons[1].material_index = 2
     item = link("Two", mesh)
     scene = export()
-    assert [scene.materials[k].name if k >= 0 else None for k in scene.instances[0].materials] == ["Red", None, "Blue"]
+    assert [scene.materials[k].name if k >= 0 else None for k in scene.instances[0].materials] == [
+        "Red",
+        None,
+        "Blue",
+    ]
     assert scene.meshes[0].material_index.tolist() == [0, 0, 2, 2]
     item.material_slots[0].link = "OBJECT"
     item.material_slots[0].material = blue
@@ -167,7 +177,7 @@ def test_active_uv_map_is_number_0(bpy, quad, export):
     quad.data.uv_layers.new(name="Second")
     quad.data.uv_layers["Second"].uv.foreach_set("vector", np.full(8, 7, np.float32))
     quad.data.uv_layers["Second"].active_render = True
-    material = bpy.data.materials.new("Material")
+    material = with_nodes(bpy.data.materials.new("Material"))
     tree = material.node_tree
     tree.links.new(
         tree.nodes.new("ShaderNodeTexCoord").outputs["UV"], tree.nodes["Principled BSDF"].inputs["Base Color"]

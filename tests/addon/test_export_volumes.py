@@ -154,7 +154,9 @@ def cached(domain, frame):
 def test_missing_cache_frame_warns(domain, export):
     scene = export()
     assert (scene.volumes, scene.instances) == ((), ())
-    assert any("'Domain': no cache of frame 1" in text and "fluid_data_0001.vdb" in text for text in scene.warnings)
+    assert any(
+        "'Domain': no cache of frame 1" in text and "fluid_data_0001.vdb" in text for text in scene.warnings
+    )
 
 
 def test_fluid_frame_and_offset(bpy, domain, export):
@@ -168,8 +170,8 @@ def test_fluid_frame_and_offset(bpy, domain, export):
 
 @pytest.mark.parametrize("scale", [(1, 1, 1), (2, 2, 2), (1, 3, 1)])
 def test_fluid_placement(domain, export, scale):
-    """Cell (i, j, k) of the cache stands at its index times the voxel size; its centre must come out right. The
-    voxel size counts the object's scale."""
+    """Cell (i, j, k) of the cache stands at its index times the voxel size; its centre must come out right.
+    The voxel size counts the object's scale."""
     cached(domain, 1)
     domain.location, domain.scale = (10, 0, 0), scale
     scene = export()

@@ -23,13 +23,15 @@ inline LampDescription lamp_of(Kind kind, float power = 1000) {
 
 /// Places a lamp: rotation x, then y, then z (radians, Blender's XYZ Euler order), then location.
 inline void place(LampDescription& d, Vec3f location, Vec3f euler = {}, Vec3f scale = Vec3f(1)) {
-    const double cx = std::cos(double{euler.x}), sx = std::sin(double{euler.x}), cy = std::cos(double{euler.y}),
-                 sy = std::sin(double{euler.y}), cz = std::cos(double{euler.z}), sz = std::sin(double{euler.z});
+    const double cx = std::cos(double{euler.x}), sx = std::sin(double{euler.x}),
+                 cy = std::cos(double{euler.y}), sy = std::sin(double{euler.y}),
+                 cz = std::cos(double{euler.z}), sz = std::sin(double{euler.z});
     const double r[3][3] = {{cy * cz, sx * sy * cz - cx * sz, cx * sy * cz + sx * sz},
                             {cy * sz, sx * sy * sz + cx * cz, cx * sy * sz - sx * cz},
                             {-sy, sx * cy, cx * cy}};
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) d.world_from_light[4 * i + j] = r[i][j] * double{scale[j]};
+        for (int j = 0; j < 3; ++j)
+            d.world_from_light[4 * i + j] = r[i][j] * double{scale[j]};
         d.world_from_light[4 * i + 3] = double{location[i]};
     }
 }
@@ -53,7 +55,7 @@ inline LampSetter sun(float degrees, bool normalize = true, float tilt = 0) {
     };
 }
 inline LampSetter area(float x, float y, bool ellipse = false, float spread = 180, bool normalize = true,
-                                           Vec3f scale = Vec3f(1)) {
+                       Vec3f scale = Vec3f(1)) {
     return [=](LampDescription& d) {
         d.size_x = x;
         d.size_y = y;
@@ -64,7 +66,7 @@ inline LampSetter area(float x, float y, bool ellipse = false, float spread = 18
     };
 }
 inline LampSetter spot(float radius, float blend = 0.5f, float degrees = 60, bool soft = false,
-                                           Vec3f scale = Vec3f(1)) {
+                       Vec3f scale = Vec3f(1)) {
     return [=](LampDescription& d) {
         d.radius = radius;
         d.spot_size = degrees * kDegree;
@@ -92,8 +94,8 @@ struct Estimate {
     double mean = 0, error = 0;  ///< error: standard error of the mean
 };
 
-/// Irradiance (W/m^2, channel 0) at p of a surface with unit normal n, by n light samples; is_finite is checked by NaNs
-/// that spread into the mean. n = 0: the fluence rate.
+/// Irradiance (W/m^2, channel 0) at p of a surface with unit normal n, by n light samples; is_finite is
+/// checked by NaNs that spread into the mean. n = 0: the fluence rate.
 template <typename Light>
 Estimate irradiance(const Light& light, Vec3f p, Vec3f normal, int samples, std::uint64_t seed) {
     Rng rng(seed);
@@ -113,6 +115,8 @@ Estimate irradiance(const Light& light, Vec3f p, Vec3f normal, int samples, std:
 }
 
 /// Six standard errors (false alarm 2e-9 each) and the rounding of single precision.
-inline double six_sigma(const Estimate& e, double rounding = 1e-5) { return 6 * e.error + rounding * std::fabs(e.mean); }
+inline double six_sigma(const Estimate& e, double rounding = 1e-5) {
+    return 6 * e.error + rounding * std::fabs(e.mean);
+}
 
 }  // namespace nephele::test

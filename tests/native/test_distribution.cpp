@@ -17,7 +17,8 @@ TEST(DiscreteDistribution, FollowsItsWeights) {
     constexpr int kDraws = 200000;
     std::vector<std::uint64_t> counts(weights.size());
     std::vector<double> expected;
-    for (const float w : weights) expected.push_back(w / 16.5);
+    for (const float w : weights)
+        expected.push_back(w / 16.5);
     Rng rng(1);
     for (int i = 0; i < kDraws; ++i) {
         const auto c = d.sample(rng.next());
@@ -37,7 +38,8 @@ TEST(DiscreteDistribution, RescaledNumberIsUniform) {
     constexpr int kDraws = 300000;
     for (int i = 0; i < kDraws; ++i) {
         const auto c = d.sample(rng.next());
-        if (c.index == 2) ++counts[static_cast<std::size_t>(c.u * 30)];
+        if (c.index == 2)
+            ++counts[static_cast<std::size_t>(c.u * 30)];
     }
     EXPECT_GT(chi_square_p(counts, std::vector<double>(30, 0.7 / 30), kDraws), kFalseAlarm);
 }
@@ -46,11 +48,13 @@ TEST(DiscreteDistribution, TinyWeightsBesideAHugeOneKeepTheirShare) {
     std::vector<float> weights(1000000, 1e-6f);
     weights[500000] = 1e6f;
     const DiscreteDistribution d(weights);
-    for (const std::size_t i : {std::size_t{0}, std::size_t{499999}, std::size_t{500001}, std::size_t{999999}}) {
+    for (const std::size_t i :
+         {std::size_t{0}, std::size_t{499999}, std::size_t{500001}, std::size_t{999999}}) {
         EXPECT_NEAR(d.probability(i), 1e-12, 1e-15) << i;
     }
     double sum = 0;
-    for (std::size_t i = 0; i < weights.size(); ++i) sum += d.probability(i);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        sum += d.probability(i);
     EXPECT_NEAR(sum, 1, 1e-6);
 }
 

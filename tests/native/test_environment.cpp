@@ -26,27 +26,32 @@ TEST(Environment, SamplesFollowThePdf) {
     // The density is constant over the cells of the grid, whose solid angles are known.
     std::vector<double> expected(kWidth * kHeight);
     for (int y = 0; y < kHeight; ++y) {
-        const double solid_angle = 2 * kPid / kWidth * (std::cos(kPid * y / kHeight) - std::cos(kPid * (y + 1) / kHeight));
+        const double solid_angle =
+            2 * kPid / kWidth * (std::cos(kPid * y / kHeight) - std::cos(kPid * (y + 1) / kHeight));
         for (int x = 0; x < kWidth; ++x) {
-            const Vec3f wi = direction_from_equirectangular({(static_cast<float>(x) + 0.5f) / kWidth, (static_cast<float>(y) + 0.5f) / kHeight});
+            const Vec3f wi = direction_from_equirectangular(
+                {(static_cast<float>(x) + 0.5f) / kWidth, (static_cast<float>(y) + 0.5f) / kHeight});
             expected[static_cast<std::size_t>(y * kWidth + x)] = solid_angle * double{light.pdf(wi)};
         }
     }
     double total = 0;
-    for (const double e : expected) total += e;
+    for (const double e : expected)
+        total += e;
     EXPECT_NEAR(total, 1, 1e-5) << "the density integrates to one";
     Rng rng(1);
     std::vector<std::uint64_t> counts(expected.size());
     for (int i = 0; i < kDraws; ++i) {
         const Vec2f uv = equirectangular_from_direction(light.sample(rng.next2()).wi);
-        const int x = std::clamp(static_cast<int>(uv.x * kWidth), 0, kWidth - 1), y = std::clamp(static_cast<int>(uv.y * kHeight), 0, kHeight - 1);
+        const int x = std::clamp(static_cast<int>(uv.x * kWidth), 0, kWidth - 1),
+                  y = std::clamp(static_cast<int>(uv.y * kHeight), 0, kHeight - 1);
         ++counts[static_cast<std::size_t>(y * kWidth + x)];
     }
     EXPECT_GT(chi_square_p(counts, expected, kDraws), kFalseAlarm);
 }
 
 TEST(Environment, SampleAndPdfAgree) {
-    for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 3), std::pair(512, 256), std::pair(2048, 1024)}) {
+    for (const auto& [width, height] :
+         {std::pair(1, 1), std::pair(7, 3), std::pair(512, 256), std::pair(2048, 1024)}) {
         const EnvironmentLight light(sky, width, height);
         Rng rng(2);
         int astray = 0;
@@ -54,14 +59,16 @@ TEST(Environment, SampleAndPdfAgree) {
             const auto s = light.sample(rng.next2());
             ASSERT_NEAR(length(s.wi), 1, 1e-5);
             ASSERT_GT(s.pdf, 0);
-            if (std::fabs(light.pdf(s.wi) - s.pdf) > 1e-3f * s.pdf) ++astray;  // rounded across a cell's edge
+            if (std::fabs(light.pdf(s.wi) - s.pdf) > 1e-3f * s.pdf)
+                ++astray;  // rounded across a cell's edge
         }
         EXPECT_LT(astray, 40) << width;
     }
 }
 
 TEST(Environment, FindsAllTheLight) {
-    // Fluence rate by light sampling against the closed form of the sky: gradient and sun (half angle acos 0.999).
+    // Fluence rate by light sampling against the closed form of the sky: gradient and sun (half angle acos
+    // 0.999).
     const EnvironmentLight light(sky, 256, 128);
     Rng rng(3);
     double sum = 0, sum2 = 0;
@@ -83,11 +90,13 @@ TEST(Environment, FindsAllTheLight) {
 TEST(Environment, OneBrightPixelIsFound) {
     constexpr int kWidth = 2048, kHeight = 1024;
     const Vec3f bright = direction_from_equirectangular({(1000 + 0.5f) / kWidth, (600 + 0.5f) / kHeight});
-    const EnvironmentLight light([&](Vec3f d) { return Rgb(dot(d, bright) > 0.999999f ? 1e6f : 1e-3f); }, kWidth, kHeight);
+    const EnvironmentLight light([&](Vec3f d) { return Rgb(dot(d, bright) > 0.999999f ? 1e6f : 1e-3f); },
+                                 kWidth, kHeight);
     EXPECT_GT(light.pdf(bright), 1e4f);
     int near = 0;
     Rng rng(4);
-    for (int i = 0; i < 1000; ++i) near += dot(light.sample(rng.next2()).wi, bright) > 0.9999f;
+    for (int i = 0; i < 1000; ++i)
+        near += dot(light.sample(rng.next2()).wi, bright) > 0.9999f;
     EXPECT_GT(near, 900);
 }
 
@@ -116,7 +125,8 @@ TEST(Environment, ConstantWorldsAreDrawnUniformly) {
 
 TEST(Environment, PolesAndSeam) {
     const EnvironmentLight light(sky, 4096, 16);
-    for (const Vec3f d : {Vec3f(0, 0, 1), Vec3f(0, 0, -1), Vec3f(-1, 0, 0), Vec3f(-1, -1e-9f, 0), Vec3f(1e-7f, 0, 1)}) {
+    for (const Vec3f d :
+         {Vec3f(0, 0, 1), Vec3f(0, 0, -1), Vec3f(-1, 0, 0), Vec3f(-1, -1e-9f, 0), Vec3f(1e-7f, 0, 1)}) {
         EXPECT_TRUE(std::isfinite(light.pdf(d)) && light.pdf(d) > 0);
     }
 }

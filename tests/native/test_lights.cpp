@@ -23,7 +23,8 @@ Lamp area_lamp(float x, float y, bool ellipse = false, float spread = 180) {
     return hanging(Kind::area, area(x, y, ellipse, spread));
 }
 
-// --- Samples against densities -------------------------------------------------------------------------------
+// --- Samples against densities
+// -------------------------------------------------------------------------------
 
 /// A piece of the sphere of directions over the unit square.
 struct Chart {
@@ -45,7 +46,8 @@ Chart tangent_chart(Vec3f x, Vec3f y, Vec3f z, double x0, double x1, double y0, 
             },
             [=](Vec3f wi) {
                 const double c = dot(wi, z);
-                return Vec2f{static_cast<float>((dot(wi, x) / c - x0) / (x1 - x0)), static_cast<float>((dot(wi, y) / c - y0) / (y1 - y0))};
+                return Vec2f{static_cast<float>((dot(wi, x) / c - x0) / (x1 - x0)),
+                             static_cast<float>((dot(wi, y) / c - y0) / (y1 - y0))};
             }};
 }
 
@@ -54,20 +56,23 @@ Chart cone_chart(Vec3f axis, double height) {
     const Frame f(normalize(axis));
     return {[=](double u, double v) {
                 const double z = 1 - height * u, s = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * kPid * v;
-                return f.to_world({static_cast<float>(s * std::cos(phi)), static_cast<float>(s * std::sin(phi)), static_cast<float>(z)});
+                return f.to_world({static_cast<float>(s * std::cos(phi)),
+                                   static_cast<float>(s * std::sin(phi)), static_cast<float>(z)});
             },
             [=](double, double) { return 2 * kPid * height; },
             [=](Vec3f wi) {
                 const Vec3f l = f.to_local(wi);
-                const double phi = std::atan2(double{l.y}, double{l.x}) / (2 * kPid), turn = phi < 0 ? phi + 1 : phi;
+                const double phi = std::atan2(double{l.y}, double{l.x}) / (2 * kPid),
+                             turn = phi < 0 ? phi + 1 : phi;
                 // 1 - z by the sine where it is small: z alone has no digits left there.
-                const double s2 = double{l.x} * l.x + double{l.y} * l.y, drop = l.z > 0 ? s2 / (1 + double{l.z}) : 1 - double{l.z};
+                const double s2 = double{l.x} * l.x + double{l.y} * l.y,
+                             drop = l.z > 0 ? s2 / (1 + double{l.z}) : 1 - double{l.z};
                 return Vec2f{static_cast<float>(drop / height), static_cast<float>(turn)};
             }};
 }
 
-/// p-value of 400000 samples over 12 x 12 cells; a cell's probability is pdf() integrated by sub x sub midpoints: many where
-/// the edge of what the lamp lights runs through cells.
+/// p-value of 400000 samples over 12 x 12 cells; a cell's probability is pdf() integrated by sub x sub
+/// midpoints: many where the edge of what the lamp lights runs through cells.
 double agreement(const Lamp& lamp, Vec3f p, const Chart& chart, std::uint64_t seed, int sub = 16) {
     constexpr int kCells = 12, kDraws = 400000;
     const double h = 1.0 / (kCells * sub);
@@ -83,9 +88,12 @@ double agreement(const Lamp& lamp, Vec3f p, const Chart& chart, std::uint64_t se
     std::vector<std::uint64_t> counts(expected.size());
     for (int k = 0; k < kDraws; ++k) {
         const auto s = lamp.sample(p, rng.next2());
-        if (!s) continue;
+        if (!s)
+            continue;
         const Vec2f c = chart.coordinates(s->wi);
-        const auto cell = [](float x) { return static_cast<std::size_t>(std::clamp(static_cast<int>(x * kCells), 0, kCells - 1)); };
+        const auto cell = [](float x) {
+            return static_cast<std::size_t>(std::clamp(static_cast<int>(x * kCells), 0, kCells - 1));
+        };
         ++counts[cell(c.x) * kCells + cell(c.y)];
     }
     return chi_square_p(counts, expected, kDraws);
@@ -94,30 +102,53 @@ double agreement(const Lamp& lamp, Vec3f p, const Chart& chart, std::uint64_t se
 /// Chart over the bounding rectangle of area_lamp(x, y), which lies in z = 2 and shines down.
 Chart rectangle_chart(float x, float y, Vec3f p) {
     const double h = 2 - double{p.z};
-    return tangent_chart({1, 0, 0}, {0, 1, 0}, kUp, (-0.5 * x - p.x) / h, (0.5 * x - p.x) / h, (-0.5 * y - p.y) / h, (0.5 * y - p.y) / h);
+    return tangent_chart({1, 0, 0}, {0, 1, 0}, kUp, (-0.5 * x - p.x) / h, (0.5 * x - p.x) / h,
+                         (-0.5 * y - p.y) / h, (0.5 * y - p.y) / h);
 }
 double rectangle_agreement(float x, float y, Vec3f p, bool ellipse, float spread, std::uint64_t seed) {
-    return agreement(area_lamp(x, y, ellipse, spread), p, rectangle_chart(x, y, p), seed, ellipse || spread < 180 ? 96 : 16);
+    return agreement(area_lamp(x, y, ellipse, spread), p, rectangle_chart(x, y, p), seed,
+                     ellipse || spread < 180 ? 96 : 16);
 }
 
-TEST(LampDensity, RectangleNear) { EXPECT_GT(rectangle_agreement(2, 3, {0.3f, 0.2f, 1}, false, 180, 1), kFalseAlarm); }
-TEST(LampDensity, RectangleGrazing) { EXPECT_GT(rectangle_agreement(2, 3, {1.5f, 0.2f, 1.9f}, false, 180, 2), kFalseAlarm); }
-TEST(LampDensity, RectangleFar) { EXPECT_GT(rectangle_agreement(0.1f, 0.2f, {1, 2, -3}, false, 180, 3), kFalseAlarm); }
-TEST(LampDensity, RectangleLong) { EXPECT_GT(rectangle_agreement(0.05f, 5, {0.3f, 1, 1.5f}, false, 180, 4), kFalseAlarm); }
-TEST(LampDensity, EllipseFar) { EXPECT_GT(rectangle_agreement(0.1f, 0.2f, {1, 2, -3}, true, 180, 5), kFalseAlarm); }
+TEST(LampDensity, RectangleNear) {
+    EXPECT_GT(rectangle_agreement(2, 3, {0.3f, 0.2f, 1}, false, 180, 1), kFalseAlarm);
+}
+TEST(LampDensity, RectangleGrazing) {
+    EXPECT_GT(rectangle_agreement(2, 3, {1.5f, 0.2f, 1.9f}, false, 180, 2), kFalseAlarm);
+}
+TEST(LampDensity, RectangleFar) {
+    EXPECT_GT(rectangle_agreement(0.1f, 0.2f, {1, 2, -3}, false, 180, 3), kFalseAlarm);
+}
+TEST(LampDensity, RectangleLong) {
+    EXPECT_GT(rectangle_agreement(0.05f, 5, {0.3f, 1, 1.5f}, false, 180, 4), kFalseAlarm);
+}
+TEST(LampDensity, EllipseFar) {
+    EXPECT_GT(rectangle_agreement(0.1f, 0.2f, {1, 2, -3}, true, 180, 5), kFalseAlarm);
+}
 
-// With a spread, and for near ellipses, part of the window gives no light: those draws return nothing, and pdf() is 0.
-TEST(LampDensity, EllipseNear) { EXPECT_GT(rectangle_agreement(2, 3, {0.3f, 0.2f, 1}, true, 180, 6), kFalseAlarm); }
-TEST(LampDensity, RectangleSpread) { EXPECT_GT(rectangle_agreement(2, 3, {0.8f, 1, 1.4f}, false, 60, 7), kFalseAlarm); }
-TEST(LampDensity, EllipseSpread) { EXPECT_GT(rectangle_agreement(2, 3, {0.4f, 0.6f, 1.2f}, true, 40, 8), kFalseAlarm); }
+// With a spread, and for near ellipses, part of the window gives no light: those draws return nothing, and
+// pdf() is 0.
+TEST(LampDensity, EllipseNear) {
+    EXPECT_GT(rectangle_agreement(2, 3, {0.3f, 0.2f, 1}, true, 180, 6), kFalseAlarm);
+}
+TEST(LampDensity, RectangleSpread) {
+    EXPECT_GT(rectangle_agreement(2, 3, {0.8f, 1, 1.4f}, false, 60, 7), kFalseAlarm);
+}
+TEST(LampDensity, EllipseSpread) {
+    EXPECT_GT(rectangle_agreement(2, 3, {0.4f, 0.6f, 1.2f}, true, 40, 8), kFalseAlarm);
+}
 
 TEST(LampDensity, SphereOutside) {
     const Lamp lamp = sphere_lamp(0.5f);
-    EXPECT_GT(agreement(lamp, {1, 0.2f, 0.5f}, cone_chart({-1, -0.2f, 1.5f}, 1 - std::sqrt(1 - 0.25 / 3.29)), 11), kFalseAlarm);
+    EXPECT_GT(
+        agreement(lamp, {1, 0.2f, 0.5f}, cone_chart({-1, -0.2f, 1.5f}, 1 - std::sqrt(1 - 0.25 / 3.29)), 11),
+        kFalseAlarm);
 }
 TEST(LampDensity, SphereJustOutside) {
     const Lamp lamp = sphere_lamp(0.5f);
-    EXPECT_GT(agreement(lamp, {0, 0, 1.4999f}, cone_chart(kUp, 1 - std::sqrt(1 - std::pow(0.5 / 0.5001, 2))), 12), kFalseAlarm);
+    EXPECT_GT(
+        agreement(lamp, {0, 0, 1.4999f}, cone_chart(kUp, 1 - std::sqrt(1 - std::pow(0.5 / 0.5001, 2))), 12),
+        kFalseAlarm);
 }
 TEST(LampDensity, SphereInside) {
     EXPECT_GT(agreement(sphere_lamp(3), {1, 0.2f, 0.5f}, cone_chart(kUp, 2), 13), kFalseAlarm);
@@ -142,13 +173,16 @@ TEST(LampDensity, Sun) {
     }
 }
 
-// --- sample, pdf and intersect tell the same story ----------------------------------------------------------
+// --- sample, pdf and intersect tell the same story
+// ----------------------------------------------------------
 
 std::vector<Lamp> all_sorts() {
-    std::vector<Lamp> lamps{sphere_lamp(0.5f), area_lamp(1, 2), area_lamp(1, 2, true), area_lamp(1, 2, false, 70), area_lamp(1, 2, true, 70)};
-    for (const auto& [kind, set] : {std::pair(Kind::sun, sun(3)), std::pair(Kind::sun, sun(170)), std::pair(Kind::spot, spot(0.3f)),
-                                    std::pair(Kind::spot, spot(0.3f, 0.2f, 90, true)), std::pair(Kind::point, ball(0.7f, true)),
-                                    std::pair(Kind::area, tilted_area())}) {
+    std::vector<Lamp> lamps{sphere_lamp(0.5f), area_lamp(1, 2), area_lamp(1, 2, true),
+                            area_lamp(1, 2, false, 70), area_lamp(1, 2, true, 70)};
+    for (const auto& [kind, set] :
+         {std::pair(Kind::sun, sun(3)), std::pair(Kind::sun, sun(170)), std::pair(Kind::spot, spot(0.3f)),
+          std::pair(Kind::spot, spot(0.3f, 0.2f, 90, true)), std::pair(Kind::point, ball(0.7f, true)),
+          std::pair(Kind::area, tilted_area())}) {
         lamps.push_back(hanging(kind, set));
     }
     return lamps;
@@ -161,7 +195,8 @@ TEST(LampConsistency, HitsWhatItSamples) {
         for (int i = 0; i < 4000; ++i) {
             const Vec3f p(3 * rng.next() - 1.5f, 3 * rng.next() - 1.5f, 4 * rng.next() - 1);
             const auto s = lamp.sample(p, rng.next2());
-            if (!s) continue;
+            if (!s)
+                continue;
             ASSERT_NEAR(length(s->wi), 1, 1e-5);
             ++compared;
             const auto h = lamp.intersect({p, s->wi});
@@ -196,14 +231,16 @@ TEST(LampConsistency, RaysElsewhereMiss) {
             const Vec3f wi = sample_sphere(rng.next2());
             const auto h = lamp.intersect({p, wi});
             EXPECT_EQ(h.has_value(), lamp.pdf(p, wi) > 0);
-            if (!h) continue;
+            if (!h)
+                continue;
             ++hits;
             fluence += double{h->Le.x} * 4 * kPid / kRays;
         }
-        // Blind rays find as much light as light samples: six standard errors of the hits' count, bounded from above by
-        // the share of the brightest; false alarm 2e-9.
+        // Blind rays find as much light as light samples: six standard errors of the hits' count, bounded
+        // from above by the share of the brightest; false alarm 2e-9.
         const Estimate e = irradiance(lamp, p, {}, 100000, 23);
-        EXPECT_NEAR(fluence, e.mean, fluence * 8 / std::sqrt(std::max(hits, 1)) + six_sigma(e)) << lamp.light.index();
+        EXPECT_NEAR(fluence, e.mean, fluence * 8 / std::sqrt(std::max(hits, 1)) + six_sigma(e))
+            << lamp.light.index();
     }
 }
 
@@ -225,7 +262,8 @@ TEST(LampConsistency, IntersectKeepsToTheSegment) {
 TEST(LampConsistency, DeltaLampsCannotBeHit) {
     for (const Kind kind : {Kind::point, Kind::spot, Kind::sun, Kind::area}) {
         LampDescription d = lamp_of(kind);
-        if (kind == Kind::area) d.spread = 0;
+        if (kind == Kind::area)
+            d.spread = 0;
         place(d, {0, 0, 2});
         const Lamp lamp = prepare_lamp(d);
         EXPECT_TRUE(lamp.delta());
@@ -248,7 +286,8 @@ TEST(LampNumbers, NothingIsEverNonFinite) {
             const float weight = lamp.importance(p);
             ASSERT_TRUE(std::isfinite(weight) && weight >= 0);
             const auto s = lamp.sample(p, rng.next2());
-            if (!s) continue;
+            if (!s)
+                continue;
             ASSERT_TRUE(is_finite(s->wi) && is_finite(s->Li) && std::isfinite(s->pdf) && s->pdf > 0) << scale;
             ASSERT_TRUE(is_finite(s->Li / s->pdf));
             ASSERT_GT(weight, 0) << "a lamp that contributes has importance";
@@ -258,7 +297,8 @@ TEST(LampNumbers, NothingIsEverNonFinite) {
     }
 }
 
-// --- Importance and preparation ------------------------------------------------------------------------------
+// --- Importance and preparation
+// ------------------------------------------------------------------------------
 
 TEST(LampImportance, IsCloseToTheFluence) {
     Rng rng(51);
@@ -266,10 +306,12 @@ TEST(LampImportance, IsCloseToTheFluence) {
         for (int i = 0; i < 40; ++i) {
             const Vec3f p = Vec3f(0, 0, 2) + sample_sphere(rng.next2()) * (1.5f + 10 * rng.next());
             const Estimate e = irradiance(lamp, p, {}, 4000, 52);
-            if (e.mean == 0) continue;
+            if (e.mean == 0)
+                continue;
             EXPECT_GT(lamp.importance(p), 0.3 * e.mean) << lamp.light.index() << ' ' << i;
             // Balls half in a cone's edge and points at a narrow beam's rim may be overrated.
-            const bool soft_edges = std::holds_alternative<SpotLight>(lamp.light) || std::holds_alternative<AreaLight>(lamp.light);
+            const bool soft_edges = std::holds_alternative<SpotLight>(lamp.light) ||
+                                    std::holds_alternative<AreaLight>(lamp.light);
             EXPECT_TRUE(soft_edges || lamp.importance(p) < 3 * e.mean) << lamp.light.index() << ' ' << i;
         }
     }
@@ -295,7 +337,8 @@ TEST(LampPreparation, MirroredAreaLampsStillShineAlongMinusZ) {
 TEST(LampPreparation, FaultsNameTheLamp) {
     for (const auto& spoil : std::vector<std::function<void(LampDescription&)>>{
              [](LampDescription& d) { d.power.y = -1; }, [](LampDescription& d) { d.power.x = NAN; },
-             [](LampDescription& d) { d.radius = -1; }, [](LampDescription& d) { d.world_from_light[3] = INFINITY; }}) {
+             [](LampDescription& d) { d.radius = -1; },
+             [](LampDescription& d) { d.world_from_light[3] = INFINITY; }}) {
         LampDescription d = lamp_of(Kind::point);
         d.name = "Key";
         spoil(d);

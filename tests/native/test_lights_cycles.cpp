@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lamps against pixel values of Cycles 5.0.1.
 //
-// Recorded with bpy 5.0.1 on the CPU: one lamp at (0, 0, 2) of 1000 W (sun: 1000 W/m^2), shining down on a white diffuse
-// plane z = 0 with bounces off, seen by an orthographic camera from (x, 0, 1) whose frame of 8 x 8 pixels is 0.02 m wide;
-// 1024 samples, box filter. `pixel` is the mean of the 64 pixels: irradiance / pi. Its noise and the plane's slope within
-// the frame stay below the tolerance of 0.2 %.
+// Recorded with bpy 5.0.1 on the CPU: one lamp at (0, 0, 2) of 1000 W (sun: 1000 W/m^2), shining down on a
+// white diffuse plane z = 0 with bounces off, seen by an orthographic camera from (x, 0, 1) whose frame of 8
+// x 8 pixels is 0.02 m wide; 1024 samples, box filter. `pixel` is the mean of the 64 pixels: irradiance / pi.
+// Its noise and the plane's slope within the frame stay below the tolerance of 0.2 %.
 #include <gtest/gtest.h>
 
 #include "light_fixtures.h"
@@ -23,7 +23,9 @@ struct CyclesCase {
     Kind kind;
 };
 
-void PrintTo(const CyclesCase& c, std::ostream* os) { *os << c.name; }
+void PrintTo(const CyclesCase& c, std::ostream* os) {
+    *os << c.name;
+}
 
 const auto nothing = [](LampDescription&) {};
 
@@ -31,7 +33,12 @@ const CyclesCase kCycles[] = {
     {"point", 6.332437, 0, nothing, Kind::point},
     {"point_unnormalised", 25.329747, 0, ball(0, false, false), Kind::point},
     {"sphere", 6.332456, 0, ball(0.5f), Kind::point},
-    {"sphere_scaled", 6.332456, 0, [](LampDescription& d) { d.radius = 0.5f; place(d, {0, 0, 2}, {}, Vec3f(2)); }, Kind::point},
+    {"sphere_scaled", 6.332456, 0,
+     [](LampDescription& d) {
+         d.radius = 0.5f;
+         place(d, {0, 0, 2}, {}, Vec3f(2));
+     },
+     Kind::point},
     {"sphere_soft", 5.960012, 0, ball(0.5f, true), Kind::point},
     {"sphere_unnormalised", 19.893997, 0, ball(0.5f, false, false), Kind::point},
     {"sphere_large_aside", 4.530237, 1, ball(1.5f), Kind::point},
@@ -92,7 +99,8 @@ TEST_P(CyclesPixel, HasTheSameIrradiance) {
     EXPECT_LT(mean.error, 0.004 * mean.mean) << "the estimate is too noisy to say anything";
 }
 
-INSTANTIATE_TEST_SUITE_P(Lamps, CyclesPixel, ::testing::ValuesIn(kCycles), [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Lamps, CyclesPixel, ::testing::ValuesIn(kCycles),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace nephele::test

@@ -20,9 +20,12 @@ Lamp area_lamp(float x, float y, bool ellipse = false, float spread = 180) {
     return hanging(Kind::area, area(x, y, ellipse, spread));
 }
 
-// --- Closed forms -------------------------------------------------------------------------------------------
+// --- Closed forms
+// -------------------------------------------------------------------------------------------
 
-double radiance_of_sphere(double r) { return 1000 / (4 * kPid * kPid * r * r); }
+double radiance_of_sphere(double r) {
+    return 1000 / (4 * kPid * kPid * r * r);
+}
 
 TEST(LampIrradiance, Sphere) {  // pi L (r/d)^2 cos, while the whole sphere is above the horizon
     const Vec3f n = normalize(Vec3f(0.3f, 0, 1));
@@ -50,8 +53,10 @@ double polygon_irradiance(const std::vector<Vec3f>& corners, Vec3f n, double L) 
 }
 
 TEST(LampIrradiance, Rectangle) {
-    for (const Vec3f p : {Vec3f(0, 0, 0), Vec3f(0.3f, -0.8f, 1.2f), Vec3f(4, 3, 1.5f), Vec3f(0.1f, 0.1f, 1.99f)}) {
-        const std::vector<Vec3f> corners{Vec3f(-0.5f, -1, 2) - p, Vec3f(0.5f, -1, 2) - p, Vec3f(0.5f, 1, 2) - p, Vec3f(-0.5f, 1, 2) - p};
+    for (const Vec3f p :
+         {Vec3f(0, 0, 0), Vec3f(0.3f, -0.8f, 1.2f), Vec3f(4, 3, 1.5f), Vec3f(0.1f, 0.1f, 1.99f)}) {
+        const std::vector<Vec3f> corners{Vec3f(-0.5f, -1, 2) - p, Vec3f(0.5f, -1, 2) - p,
+                                         Vec3f(0.5f, 1, 2) - p, Vec3f(-0.5f, 1, 2) - p};
         const Estimate e = irradiance(area_lamp(1, 2), p, kUp, 200000, 34);
         EXPECT_NEAR(e.mean, polygon_irradiance(corners, kUp, 1000 / (2 * kPid)), six_sigma(e, 1e-4));
     }
@@ -59,7 +64,8 @@ TEST(LampIrradiance, Rectangle) {
 
 TEST(LampIrradiance, DiscOnItsAxis) {  // pi L sin^2
     for (const double h : {0.01, 0.5, 2.0, 40.0}) {
-        const Estimate e = irradiance(area_lamp(1, 1, true), {0, 0, static_cast<float>(2 - h)}, kUp, 100000, 35);
+        const Estimate e =
+            irradiance(area_lamp(1, 1, true), {0, 0, static_cast<float>(2 - h)}, kUp, 100000, 35);
         const double L = 1000 / (kPid * kPid / 4);
         EXPECT_NEAR(e.mean, kPid * L * 0.25 / (0.25 + h * h), six_sigma(e, 1e-4)) << h;
     }
@@ -68,14 +74,17 @@ TEST(LampIrradiance, DiscOnItsAxis) {  // pi L sin^2
 TEST(LampIrradiance, SpreadKeepsTheFlux) {  // irradiance over a wide plane adds up to the power
     for (const float spread : {20.0f, 90.0f, 140.0f}) {
         const Lamp lamp = area_lamp(0.5f, 0.5f, false, spread);
-        // Rings of the plane one metre below, out to where the spread ends, by the midpoint rule in the tangent.
+        // Rings of the plane one metre below, out to where the spread ends, by the midpoint rule in the
+        // tangent.
         const double reach = std::tan(0.5 * spread * kDegree) + 0.5;
         constexpr int kRings = 400;
         double flux = 0, variance = 0;
         for (int i = 0; i < kRings; ++i) {
             const double r = reach * (i + 0.5) / kRings;
             const float turn = 2.399963f * static_cast<float>(i);  // golden angle: the lamp is square
-            const Estimate e = irradiance(lamp, {static_cast<float>(r) * std::cos(turn), static_cast<float>(r) * std::sin(turn), 1}, kUp, 4000, 36 + static_cast<std::uint64_t>(i));
+            const Estimate e = irradiance(
+                lamp, {static_cast<float>(r) * std::cos(turn), static_cast<float>(r) * std::sin(turn), 1},
+                kUp, 4000, 36 + static_cast<std::uint64_t>(i));
             const double ring = 2 * kPid * r * reach / kRings;
             flux += e.mean * ring;
             variance += sqr(static_cast<float>(e.error * ring));
@@ -84,7 +93,8 @@ TEST(LampIrradiance, SpreadKeepsTheFlux) {  // irradiance over a wide plane adds
     }
 }
 
-// --- Extremes ------------------------------------------------------------------------------------------------
+// --- Extremes
+// ------------------------------------------------------------------------------------------------
 
 TEST(LampExtremes, SphereAtAnyDistance) {
     for (const double ratio : {1 + 1e-6, 1.001, 10.0, 1e3, 1e6, 1e9, 1e12}) {  // distance / radius
@@ -118,17 +128,20 @@ TEST(LampExtremes, RectangleSeenNearlyEdgeOn) {
         const Vec3f p(2, 0.2f, 2 - height);  // height rounds to the spacing of floats near 2
         const float h = 2 - p.z;
         const Vec3f toward = normalize(Vec3f(-1, 0, 0.2f));
-        const std::vector<Vec3f> corners{{-2.5f, -1.2f, h}, {-1.5f, -1.2f, h}, {-1.5f, 0.8f, h}, {-2.5f, 0.8f, h}};
+        const std::vector<Vec3f> corners{
+            {-2.5f, -1.2f, h}, {-1.5f, -1.2f, h}, {-1.5f, 0.8f, h}, {-2.5f, 0.8f, h}};
         const Estimate e = irradiance(area_lamp(1, 2), p, toward, 100000, 43);
         const double n_z_part = double{toward.z};
         // By Lambert's formula in double: the corners nearly lie in one plane with p.
         double sum = 0;
         for (std::size_t i = 0; i < 4; ++i) {
             const Vec3f a = corners[i], b = corners[(i + 1) % 4];
-            const double c[3] = {double{a.y} * b.z - double{a.z} * b.y, double{a.z} * b.x - double{a.x} * b.z, double{a.x} * b.y - double{a.y} * b.x};
+            const double c[3] = {double{a.y} * b.z - double{a.z} * b.y, double{a.z} * b.x - double{a.x} * b.z,
+                                 double{a.x} * b.y - double{a.y} * b.x};
             const double l = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
             const double ab = double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z;
-            sum += std::atan2(l, ab) * (c[0] * double{toward.x} + c[1] * double{toward.y} + c[2] * n_z_part) / l;
+            sum +=
+                std::atan2(l, ab) * (c[0] * double{toward.x} + c[1] * double{toward.y} + c[2] * n_z_part) / l;
         }
         EXPECT_NEAR(e.mean, std::fabs(1000 / (2 * kPid) / 2 * sum), six_sigma(e, 1e-3)) << height;
     }

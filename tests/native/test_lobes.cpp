@@ -29,8 +29,8 @@ std::vector<NamedLobe> smooth_lobes() {
         {"translucent", Translucent{}, false},
         {"rough diffuse 0.4", RoughDiffuse{{0.9f, 0.5f, 0.2f}, 0.4f}, true},
         {"rough diffuse 1", RoughDiffuse{{0.9f, 0.5f, 0.2f}, 1.0f}, true},
-        {"sheen 0.2", Sheen{0.2f}, true},
-        {"sheen 0.8", Sheen{0.8f}, true},
+        {"sheen 0.4", Sheen{0.4f, 1}, true},
+        {"sheen 0.8", Sheen{0.8f, 1}, true},
     };
     for (const float roughness : {0.2f, 0.5f, 1.0f}) {
         for (const bool beckmann : {false, true}) {
@@ -152,11 +152,11 @@ TEST(Lobes, RefractionIsReciprocalUpToTheSquaredIndex) {
     EXPECT_GT(compared, 500);
 }
 
-/// Mean weight over the lobe's own samples: its directional albedo. With 40000 draws the standard error is below 0.3 %.
+/// Mean weight over the lobe's own samples: its directional albedo. The standard error is below 0.25 %.
 Rgb measured_albedo(const LobeModel& model, Vec3f wo) {
     Rng rng(11);
     double sum[3] = {};
-    constexpr int kDraws = 40000;
+    constexpr int kDraws = 100000;
     for (int i = 0; i < kDraws; ++i) {
         const auto drawn = sample(model, wo, rng);
         for (int c = 0; drawn && c < 3; ++c) sum[c] += static_cast<double>(drawn->weight[c]) / kDraws;
@@ -174,7 +174,7 @@ TEST(Lobes, AlbedoIsWhatSamplingMeasuresAndNeverAboveOne) {
             const Rgb measured = measured_albedo(lobe.model, wo);
             const Rgb claimed = std::visit([&](const auto& l) { return l.albedo(wo); }, lobe.model);
             EXPECT_LE(max_component(measured), 1.005f) << lobe.name << " at " << angle;
-            EXPECT_NEAR(claimed.x, measured.x, estimated ? 0.12f : 0.02f) << lobe.name << " at " << angle;
+            EXPECT_NEAR(claimed.x, measured.x, estimated ? 0.16f : 0.015f) << lobe.name << " at " << angle;
         }
     }
 }
