@@ -114,9 +114,30 @@ std::optional<Program> program(nb::handle p) {
 }
 
 VolumeClosure volume_closure(nb::handle c) {
-    const nb::object grid = c.attr("density_grid");
-    return {rgb(c, "sigma_s"), rgb(c, "sigma_a"), rgb(c, "emission"), value<float>(c, "g"),
-            grid.is_none() ? std::string() : nb::cast<std::string>(grid)};
+    const auto grid = [&](const char* attribute) {
+        const nb::object name = c.attr(attribute);
+        return name.is_none() ? std::string() : nb::cast<std::string>(name);
+    };
+    return {rgb(c, "sigma_s"), rgb(c, "sigma_a"), rgb(c, "emission"), value<float>(c, "g"), grid("density_grid"), grid("emission_grid")};
+}
+
+/// The closures of a volume; one whose sigma and emission are scaled differently becomes two.
+std::vector<VolumeClosure> volume_closures(nb::handle object) {
+    std::vector<VolumeClosure> out;
+    for (VolumeClosure& c : list<VolumeClosure>(object, "volume", volume_closure)) {
+        const bool emits = !is_zero(c.emission), extinguishes = !is_zero(c.sigma_s) || !is_zero(c.sigma_a);
+        if (emits && extinguishes && !(c.density_grid.empty() && c.emission_grid.empty())) {
+            out.push_back({{}, {}, c.emission, c.g, {}, c.emission_grid});
+            c.emission = {};
+        }
+        if (is_zero(c.emission)) {
+            c.emission_grid.clear();
+        } else {
+            c.density_grid.clear();
+        }
+        out.push_back(std::move(c));
+    }
+    return out;
 }
 
 Mesh mesh(nb::handle m) {
@@ -243,7 +264,7 @@ SceneSource scene_source_of(nb::handle scene) {
     out.camera = camera(scene.attr("camera"));
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
-        return Material{text(m, "name"), program(m.attr("surface")), list<VolumeClosure>(m, "volume", volume_closure)};
+        return Material{text(m, "name"), program(m.attr("surface")), volume_closures(m)};
     });
     out.instances = list<Instance>(scene, "instances", [&](nb::handle i) {
         return instance(i, out.meshes.size(), out.materials.size());
@@ -253,7 +274,7 @@ SceneSource scene_source_of(nb::handle scene) {
     out.lamps = list<LampDescription>(scene, "lights", lamp);
     const nb::object world = scene.attr("world");
     out.world.background = program(world.attr("background"));
-    out.world.volume = list<VolumeClosure>(world, "volume", volume_closure);
+    out.world.volume = volume_closures(world);
     out.world.visibility = value<std::uint32_t>(world, "visibility");
     return out;
 }

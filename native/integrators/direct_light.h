@@ -18,12 +18,19 @@ struct DirectSample {
     bool cast_shadow = true;
 };
 
-/// Rays that leave a surface count as seeing a lamp if any of these kinds does.
-inline constexpr std::uint32_t kSurfaceRays = kDiffuseRay | kGlossyRay | kTransmissionRay;
+/// Kind of ray that light sampling stands for at the vertex which rays of kind `scattered` leave: from a surface it does not know
+/// the lobe, and asks whether diffuse rays see the light.
+constexpr std::uint32_t sampling_kind(std::uint32_t scattered) { return scattered == kVolumeRay ? kVolumeRay : kDiffuseRay; }
 
-inline bool lamp_seen_from(const Lamp& lamp, std::uint32_t ray_kind) {
-    if (ray_kind & kSurfaceRays) return (lamp.visibility & kSurfaceRays) != 0;
-    return (lamp.visibility & ray_kind) != 0;
+/// Kinds of rays that see a light when they hit it.
+inline std::uint32_t light_visibility(const Scene& scene, std::uint32_t number) {
+    const LightSet& lights = scene.lights();
+    switch (lights.kind(number)) {
+        case LightSet::Kind::lamp: return lights.lamp(number).visibility;
+        case LightSet::Kind::mesh: return lights.mesh(number).instance().visibility;
+        case LightSet::Kind::world: break;
+    }
+    return scene.world_visibility();
 }
 
 /// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
@@ -34,11 +41,11 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     const Vec2f choice = sampler.next2(), u = sampler.next2();
     float probability = 0;
     const auto number = lights.select(p, choice.x, probability);
-    if (!number) return std::nullopt;
+    if (!number || (light_visibility(scene, *number) & ray_kind) == 0) return std::nullopt;
     DirectSample out;
     if (lights.kind(*number) == LightSet::Kind::lamp) {
         const Lamp& lamp = lights.lamp(*number);
-        if (!lamp_seen_from(lamp, ray_kind) || bounces > lamp.max_bounces) return std::nullopt;
+        if (bounces > lamp.max_bounces) return std::nullopt;
         const auto s = lamp.sample(p, u);
         if (!s) return std::nullopt;
         out.light = *s;
@@ -46,7 +53,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     } else if (lights.kind(*number) == LightSet::Kind::mesh) {
         const MeshLight& mesh = lights.mesh(*number);
         const auto s = mesh.sample(p, choice.y, u);
-        if (!s || (mesh.instance().visibility & ray_kind) == 0) return std::nullopt;
+        if (!s) return std::nullopt;
         out.light = s->light;
         Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y, s->barycentric.z};
         const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);

@@ -60,23 +60,29 @@ private:
         float pdf = 0;
     };
 
-    /// The first lamp that this ray sees before `end`. The camera sees none.
+    bool sees(const Lamp& lamp) const { return (lamp.visibility & kind_) != 0 && bounces_ - 1 <= lamp.max_bounces; }
+
+    /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
         LampHit nearest;
         if (kind_ == kCameraRay || !scene_.features().lamps) return nearest;
-        const Ray reach{ray_.o, ray_.d, ray_.t_min, end};
+        // Seen from the last vertex, wherever transparent surfaces let the ray start anew since: a lamp is met once.
+        const Ray reach{previous_p_, ray_.d, travelled_ + ray_.t_min, travelled_ + end};
         scene_.lights().for_each_lamp_hit(reach, [&](std::uint32_t number, const LightHit& hit) {
-            const Lamp& lamp = scene_.lights().lamp(number);
-            if (hit.distance >= nearest.distance || !lamp_seen_from(lamp, kind_) || bounces_ - 1 > lamp.max_bounces) return;
-            if (hit.distance <= ray_.t_min && hit.distance > 0) return;  // passed already
+            if (hit.distance == kInfinity || !sees(scene_.lights().lamp(number))) return;  // suns: see escape()
+            // Lamps at the same distance come in the order of their numbers, each once.
+            const std::pair place(hit.distance, number);
+            if (place <= passed_ || place >= std::pair(nearest.distance, nearest.number)) return;
             nearest = {hit.distance, number, hit.Le, hit.pdf};
         });
+        nearest.distance -= travelled_;
         return nearest;
     }
 
     bool pass_lamp(const LampHit& lamp) {
-        add(beta_ * lamp.Le * mis_weight(lamp.number, [&] { return scene_.lights().lamp(lamp.number).pdf(previous_p_, ray_.d); }));
-        ray_.t_min = lamp.distance;
+        add(beta_ * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
+        passed_ = {lamp.distance + travelled_, lamp.number};
+        ray_.t_min = std::max(lamp.distance, ray_.t_min);
         return true;
     }
 
@@ -85,6 +91,7 @@ private:
             out_.alpha = 1 - mean(beta_);
             return false;
         }
+        add_suns();
         const Rgb Le = scene_.background(ray_.d, kind_);
         if (is_zero(Le)) return false;
         const std::uint32_t number = scene_.lights().world_number();
@@ -92,10 +99,19 @@ private:
         return false;
     }
 
+    /// Lamps at infinity that this direction meets.
+    void add_suns() {
+        if (kind_ == kCameraRay || !scene_.features().lamps) return;
+        scene_.lights().for_each_lamp_hit({ray_.o, ray_.d}, [&](std::uint32_t number, const LightHit& hit) {
+            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number))) return;
+            add(beta_ * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
+        });
+    }
+
     /// Weight of light that scattering found, against light sampling at the last vertex.
     template <class Pdf>
     float mis_weight(std::uint32_t light, Pdf&& pdf) const {
-        if (previous_specular_) return 1;
+        if (previous_specular_ || (light_visibility(scene_, light) & sampling_kind(kind_)) == 0) return 1;
         return power_heuristic(previous_pdf_, scene_.lights().selection_pdf(previous_p_, light) * pdf());
     }
 
@@ -135,7 +151,9 @@ private:
         beta_ *= sample->weight;
         const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
         if (sample->kind == 0) {  // straight through: no event
-            ray_ = {o, ray_.d, 0, ray_.t_max - length(o - ray_.o)};
+            const float step = length(o - ray_.o);
+            travelled_ += step;
+            ray_ = {o, ray_.d, 0, ray_.t_max - step};
             return true;
         }
         if (exhausted) return false;
@@ -192,6 +210,8 @@ private:
         ray_ = {o, wi};
         kind_ = kind;
         previous_p_ = vertex;
+        travelled_ = 0;
+        passed_ = kNonePassed;
         previous_pdf_ = pdf;
         previous_specular_ = specular;
         return true;
@@ -208,7 +228,10 @@ private:
     Rgb beta_{1};
     int bounces_ = 0, surface_bounces_ = 0, volume_bounces_ = 0;
     enum class First { none, surface, volume } first_ = First::none;
-    Vec3f previous_p_;
+    Vec3f previous_p_;     // the last vertex, not moved off its surface
+    float travelled_ = 0;  // from there to ray_.o
+    static constexpr std::pair<float, std::uint32_t> kNonePassed{-1.0f, 0};
+    std::pair<float, std::uint32_t> passed_ = kNonePassed;  // the last lamp met since: distance from there, number
     float previous_pdf_ = 0;
     bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
     bool primary_done_ = false, recorded_ = false;

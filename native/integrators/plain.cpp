@@ -40,7 +40,11 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
         float sigma_t = 0, sigma_s = 0, g = 0;
         for (const Interval& i : segment.intervals) {
             const float overlap = std::min(next, i.t1) - std::max(t, i.t0);
-            if (overlap > 0 && overlap < kInfinity) emitted += i.medium->emission[channel] * overlap;
+            if (overlap > 0 && overlap < kInfinity && i.medium->emission[channel] > 0) {
+                const float at = std::max(t, i.t0) + overlap * rng.next();
+                const float scale = i.medium->density_scales_emission ? density(*i.medium, segment.ray.at(at), counters) : 1;
+                emitted += i.medium->emission[channel] * scale * overlap;
+            }
             if (next < i.t0 || next > i.t1) continue;
             const float d = density(*i.medium, segment.ray.at(next), counters);
             sigma_t += d * i.medium->sigma_t[channel];

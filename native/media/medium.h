@@ -23,13 +23,15 @@ struct DensityField {
     Transform index_from_world;
 };
 
-/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr), not scaled by density. g: Henyey-Greenstein mean cosine.
+/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). g: Henyey-Greenstein mean cosine. The field scales sigma_s and
+/// sigma_t, or emission alone.
 struct Medium {
     std::string name;
     std::uint32_t region = 0;  ///< index of the region it fills, see Region
     Rgb sigma_s, sigma_t, emission;
     float g = 0;
     std::optional<DensityField> density;  ///< none: 1 everywhere
+    bool density_scales_emission = false;
 
     float sigma_t_max() const { return max_component(sigma_t); }
     bool interacts() const { return sigma_t_max() > 0; }

@@ -34,6 +34,7 @@ void merge_closures(std::vector<Medium>& media, std::size_t first, Medium medium
     for (std::size_t i = first; i < media.size(); ++i) {
         Medium& m = media[i];
         const bool same_field = m.density.has_value() == medium.density.has_value() &&
+                                m.density_scales_emission == medium.density_scales_emission &&
                                 (!m.density || m.density->grid == medium.density->grid);
         if (!same_field || m.g != medium.g) continue;
         m.sigma_s += medium.sigma_s;
@@ -82,7 +83,7 @@ void Scene::add_region(Region region, const std::vector<VolumeClosure>& closures
         Medium medium{region.name,       static_cast<std::uint32_t>(regions_.size()),
                       c.sigma_s * scale, (c.sigma_s + c.sigma_a) * scale,
                       c.emission * scale, c.g,
-                      c.density_grid.empty() ? std::nullopt : field};
+                      c.grid().empty() ? std::nullopt : field, !c.emission_grid.empty()};
         if (medium.interacts() || !is_zero(medium.emission)) merge_closures(media_, region.media_begin, std::move(medium));
     }
     region.media_end = static_cast<std::uint32_t>(media_.size());
@@ -108,7 +109,10 @@ void Scene::add_meshes() {
         const std::vector<VolumeClosure>& closures = source_.materials[static_cast<std::size_t>(*slot)].volume;
         const std::size_t before = regions_.size();
         std::vector<VolumeClosure> constant = closures;
-        for (VolumeClosure& c : constant) c.density_grid.clear();  // a mesh has no grids: the factor is 1
+        for (VolumeClosure& c : constant) {  // a mesh has no grids: the factor is 1
+            c.density_grid.clear();
+            c.emission_grid.clear();
+        }
         add_region(Region(instance.name, Region::Kind::mesh, instance.visibility), constant, 1, std::nullopt);
         if (regions_.size() == before) continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);

@@ -23,7 +23,10 @@ namespace nephele {
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
     float g = 0;
-    std::string density_grid;  ///< empty: 1 everywhere
+    std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
+    std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+
+    const std::string& grid() const { return density_grid.empty() ? emission_grid : density_grid; }
 };
 
 struct Material {
@@ -107,6 +110,7 @@ public:
     const TextureContext& textures() const { return textures_; }
     /// Radiance of the background seen in direction d by rays of this kind.
     Rgb background(Vec3f d, std::uint32_t ray_kind) const;
+    std::uint32_t world_visibility() const { return source_.world.visibility; }
     static constexpr std::uint32_t kNoLight = ~0u;
     /// Number of the light that an instance's emissive triangles are, or kNoLight.
     std::uint32_t light_of_instance(std::uint32_t instance) const { return mesh_light_of_instance_[instance]; }

@@ -40,7 +40,7 @@ void Scene::add_volumes() {
 std::vector<std::string> Scene::grids_to_load(const VolumeSource& volume) {
     std::set<std::string> wanted;
     for (const VolumeClosure& c : source_.materials.at(volume.material).volume) {
-        if (!c.density_grid.empty()) wanted.insert(c.density_grid);
+        if (!c.grid().empty()) wanted.insert(c.grid());
     }
     std::vector<std::string> available, found;
     for (const GridInfo& info : list_grids(volume.path)) available.push_back(info.name);
@@ -66,17 +66,19 @@ void Scene::add_volume(const VolumeSource& volume) {
         for (const std::string& w : loaded.warnings) warnings_.push_back("volume '" + volume.name + "': " + w);
         std::vector<VolumeClosure> mine;  // those that read this grid; constants go with the first
         float sigma = 0;
+        bool read = false;
         for (const VolumeClosure& c : closures) {
-            if (c.density_grid != name && !(first && c.density_grid.empty())) continue;
+            if (c.grid() != name && !(first && c.grid().empty())) continue;
             mine.push_back(c);
             if (!c.density_grid.empty()) sigma += max_component(c.sigma_s + c.sigma_a) * volume.density_scale;
+            read |= !c.grid().empty();
         }
         first = false;
         Transform world_from_index;
         Region region = box_region(volume, loaded, world_from_index);
         if (loaded.grid->bounds().empty()) continue;
         std::optional<DensityField> field;
-        if (sigma > 0) {
+        if (read) {
             // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.
             const float voxel = std::cbrt(std::fabs(world_from_index.determinant()));
             field = DensityField{loaded.grid, std::make_shared<MajorantGrid>(*loaded.grid, sigma * voxel), region.index_from_world};

@@ -7,10 +7,12 @@
 
 namespace nephele {
 
-// --- The mixture -------------------------------------------------------------------------------------------------
+// --- The mixture
+// -------------------------------------------------------------------------------------------------
 
 void Bsdf::add(const LobeModel& model, Rgb weight, Vec3f n) {
-    if (is_zero(weight) || count_ == kMaxLobes) return;  // validate() has counted the lobes
+    if (is_zero(weight) || count_ == kMaxLobes)
+        return;  // validate() has counted the lobes
     new (storage_ + static_cast<std::size_t>(count_) * sizeof(Lobe)) Lobe{Frame(n), weight, 0, model};
     ++count_;
 }
@@ -21,32 +23,41 @@ void Bsdf::finish(Vec3f wo) {
         Lobe& l = lobe(i);
         const auto choose = [&](const auto& model) {
             const bool specular = model.specular();
-            if (!specular) has_smooth_ = true;
-            if (count_ == 1 && total == 0) return 1.0f;  // no choice, no need for its albedo
+            if (!specular)
+                has_smooth_ = true;
+            if (count_ == 1 && total == 0)
+                return 1.0f;  // no choice, no need for its albedo
             const Rgb albedo = model.albedo(l.frame.to_local(wo));
-            // The albedo of a rough lobe is an estimate: never so small that a lobe which scatters is starved.
+            // The albedo of a rough lobe is an estimate: never so small that a lobe which scatters is
+            // starved.
             return mean(l.weight * (specular ? albedo : max(albedo, Rgb(0.02f))));
         };
         l.probability = std::visit(choose, l.model);
     }
-    for (int i = 0; i < count_; ++i) total += lobe(i).probability;
+    for (int i = 0; i < count_; ++i)
+        total += lobe(i).probability;
     const float scale = total > 0 ? 1 / total : 0;
     transparent_probability_ = mean(transparency) * scale;
-    for (int i = 0; i < count_; ++i) lobe(i).probability *= scale;
+    for (int i = 0; i < count_; ++i)
+        lobe(i).probability *= scale;
 }
 
 Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf) const {
     pdf = 0;
     Rgb f;
-    if (!has_smooth_) return f;
-    // Reflection stays on wo's side of the face, transmission crosses it: a shading normal must not leak light.
+    if (!has_smooth_)
+        return f;
+    // Reflection stays on wo's side of the face, transmission crosses it: a shading normal must not leak
+    // light.
     const bool reflects = dot(wi, ng_) * dot(wo, ng_) > 0;
     for (int i = 0; i < count_; ++i) {
         const Lobe& l = lobe(i);
         const Vec3f local_wi = l.frame.to_local(wi);
-        if ((local_wi.z > 0) != reflects) continue;
+        if ((local_wi.z > 0) != reflects)
+            continue;
         const Vec3f local_wo = l.frame.to_local(wo);
-        const LobeValue value = std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
+        const LobeValue value =
+            std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
         f += l.weight * value.f;
         pdf += l.probability * value.pdf;
     }
@@ -60,18 +71,25 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     float rest = lobe_u - transparent_probability_;
     const Lobe* chosen = nullptr;
     for (int i = 0; i < count_; ++i) {
-        if (lobe(i).probability == 0) continue;
-        if (chosen) rest -= chosen->probability;
+        if (lobe(i).probability == 0)
+            continue;
+        if (chosen)
+            rest -= chosen->probability;
         chosen = &lobe(i);
-        if (rest < chosen->probability) break;  // rounding may leave a rest: the last lobe takes it
+        if (rest < chosen->probability)
+            break;  // rounding may leave a rest: the last lobe takes it
     }
-    if (!chosen) return std::nullopt;
+    if (!chosen)
+        return std::nullopt;
     const float choice = std::min(rest / chosen->probability, kOneMinusEpsilon);
     const Vec3f local_wo = chosen->frame.to_local(wo);
-    const auto drawn = std::visit([&](const auto& m) { return m.sample(local_wo, choice, u); }, chosen->model);
-    if (!drawn) return std::nullopt;
+    const auto drawn =
+        std::visit([&](const auto& m) { return m.sample(local_wo, choice, u); }, chosen->model);
+    if (!drawn)
+        return std::nullopt;
     const Vec3f wi = normalize(chosen->frame.to_world(drawn->wi));
-    if ((drawn->wi.z > 0) != (dot(wi, ng_) * dot(wo, ng_) > 0)) return std::nullopt;
+    if ((drawn->wi.z > 0) != (dot(wi, ng_) * dot(wo, ng_) > 0))
+        return std::nullopt;
     const bool specular = std::visit([](const auto& m) { return m.specular(); }, chosen->model);
     if (specular || count_ == 1) {
         const Rgb weight = chosen->weight * drawn->weight / chosen->probability;
@@ -79,7 +97,8 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     }
     float pdf;
     const Rgb f = eval(wo, wi, pdf);
-    if (!(pdf > 0)) return std::nullopt;
+    if (!(pdf > 0))
+        return std::nullopt;
     return BsdfSample{wi, f / pdf, pdf, false, drawn->kind};
 }
 
@@ -92,7 +111,8 @@ Rgb Bsdf::albedo(Vec3f wo) const {
     return sum;
 }
 
-// --- Building from closures --------------------------------------------------------------------------------------
+// --- Building from closures
+// --------------------------------------------------------------------------------------
 
 namespace {
 
@@ -106,7 +126,9 @@ struct Inputs {
     Rgb color(int i) const { return non_negative(registers[row.inputs[static_cast<std::size_t>(i)]]); }
     float unit(int i) const { return std::min(color(i).x, 1.0f); }
     Distribution distribution() const { return static_cast<Distribution>(row.mode); }
-    Vec3f normal(int i) const { return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point); }
+    Vec3f normal(int i) const {
+        return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point);
+    }
     Vec3f bent(int i) const { return bent_normal(normal(i), point.ng, point.wo); }
 };
 
@@ -123,45 +145,61 @@ void add_diffuse(Bsdf& bsdf, const Inputs& in) {
 
 void add_glossy(Bsdf& bsdf, const Inputs& in) {
     const Rgb color = in.color(glossy_input::color);
-    if (is_zero(color)) return;
+    if (is_zero(color))
+        return;
     const Vec3f n = in.bent(glossy_input::normal);
     const Fresnel fresnel = Fresnel::constant(min(color, Rgb(1)));
     const float mu = dot(n, in.point.wo);
-    bsdf.add(make_reflection(in.distribution(), in.unit(glossy_input::roughness), fresnel, mu), in.weight(), n);
+    bsdf.add(make_reflection(in.distribution(), in.unit(glossy_input::roughness), fresnel, mu), in.weight(),
+             n);
 }
 
 void add_glass(Bsdf& bsdf, const Inputs& in) {
     const Vec3f n = in.bent(glass_input::normal);
-    const float ior = std::max(in.color(glass_input::ior).x, 1e-5f), eta = in.point.backfacing ? 1 / ior : ior;
+    const float ior = std::max(in.color(glass_input::ior).x, 1e-5f),
+                eta = in.point.backfacing ? 1 / ior : ior;
     const float roughness = in.unit(glass_input::roughness), mu = dot(n, in.point.wo);
     const Rgb color = in.color(glass_input::color);
-    if (is_zero(color)) return;
-    bsdf.add(make_dielectric(in.distribution(), roughness, eta, Fresnel::dielectric(eta), color, color, mu), in.weight(), n);
+    if (is_zero(color))
+        return;
+    bsdf.add(make_dielectric(in.distribution(), roughness, eta, Fresnel::dielectric(eta), color, color, mu),
+             in.weight(), n);
 }
 
 void add_refraction(Bsdf& bsdf, const Inputs& in) {
     const Vec3f n = in.bent(refraction_input::normal);
-    const float ior = std::max(in.color(refraction_input::ior).x, 1e-5f), eta = in.point.backfacing ? 1 / ior : ior;
-    const auto distribution = in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
+    const float ior = std::max(in.color(refraction_input::ior).x, 1e-5f),
+                eta = in.point.backfacing ? 1 / ior : ior;
+    const auto distribution =
+        in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
     const float roughness = in.unit(refraction_input::roughness), mu = dot(n, in.point.wo);
     bsdf.add(make_dielectric(distribution, roughness, eta, Fresnel::constant(Rgb(0)), Rgb(0), Rgb(1), mu),
              in.weight() * in.color(refraction_input::color), n);
 }
 
-void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& registers, const ShadingPoint& point) {
+void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& registers,
+                 const ShadingPoint& point) {
     const Inputs in{row, registers, point};
     switch (row.kind) {
-        case ClosureKind::diffuse: return add_diffuse(bsdf, in);
-        case ClosureKind::glossy: return add_glossy(bsdf, in);
-        case ClosureKind::glass: return add_glass(bsdf, in);
-        case ClosureKind::refraction: return add_refraction(bsdf, in);
+        case ClosureKind::diffuse:
+            return add_diffuse(bsdf, in);
+        case ClosureKind::glossy:
+            return add_glossy(bsdf, in);
+        case ClosureKind::glass:
+            return add_glass(bsdf, in);
+        case ClosureKind::refraction:
+            return add_refraction(bsdf, in);
         case ClosureKind::translucent:
-            return bsdf.add(Translucent{}, in.weight() * in.color(translucent_input::color), in.normal(translucent_input::normal));
+            return bsdf.add(Translucent{}, in.weight() * in.color(translucent_input::color),
+                            in.normal(translucent_input::normal));
         case ClosureKind::transparent:
             bsdf.transparency += in.weight() * in.color(transparent_input::color);
             return;
-        case ClosureKind::emission: bsdf.emission += closure_emission(row, registers, point); return;
-        case ClosureKind::principled: return add_principled(bsdf, row, registers, point);
+        case ClosureKind::emission:
+            bsdf.emission += closure_emission(row, registers, point);
+            return;
+        case ClosureKind::principled:
+            return add_principled(bsdf, row, registers, point);
     }
 }
 
@@ -171,7 +209,8 @@ Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureC
     Bsdf bsdf(point);
     if (program) {
         const RegisterFile registers(*program, point, context);
-        for (const ClosureRow& row : program->closures) add_closure(bsdf, row, registers, point);
+        for (const ClosureRow& row : program->closures)
+            add_closure(bsdf, row, registers, point);
     } else {
         bsdf.add(Lambert{}, Rgb(0.8f), point.ns);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The BSDF of one shading point: the lobes that a shading program's closures stand for, mixed by weight. Built on the
-// stack, without heap. Directions are unit vectors in world space that point away from the surface; wo is the one that
-// the BSDF was made for.
+// The BSDF of one shading point: the lobes that a shading program's closures stand for, mixed by weight.
+// Built on the stack, without heap. Directions are unit vectors in world space that point away from the
+// surface; wo is the one that the BSDF was made for.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 namespace nephele {
 
 class Bsdf {
-public:
+  public:
     explicit Bsdf(const ShadingPoint& point) : ng_(point.ng) {}
 
     Rgb emission;      ///< radiance that leaves along wo
@@ -23,12 +23,13 @@ public:
     /// Whether any lobe is neither specular nor straight-through, so that light sampling can serve it.
     bool has_smooth() const { return has_smooth_; }
 
-    /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid angle; it holds
-    /// the probability of choosing each smooth lobe among all lobes, specular and straight-through ones included.
+    /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid
+    /// angle; it holds the probability of choosing each smooth lobe among all lobes, specular and
+    /// straight-through ones included.
     Rgb eval(Vec3f wo, Vec3f wi, float& pdf) const;
 
-    /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps its kind
-    /// and has not bounced. Returns nothing where the chosen lobe absorbs.
+    /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps
+    /// its kind and has not bounced. Returns nothing where the chosen lobe absorbs.
     std::optional<BsdfSample> sample(Vec3f wo, float lobe_u, Vec2f u) const;
 
     /// Directional albedo (estimated for the rough lobes), without the straight-through share.
@@ -39,7 +40,7 @@ public:
     /// Sets the probabilities of choosing each lobe, by their albedos.
     void finish(Vec3f wo);
 
-private:
+  private:
     struct Lobe {
         Frame frame;
         Rgb weight;
@@ -75,10 +76,13 @@ struct ProgramTraits {
     bool may_transmit_straight = false;  ///< has a transparent closure, or an alpha that may be below 1
     bool has_surface_lobes = false;      ///< has a closure that scatters
     bool constant = false;               ///< no code: the same everywhere
-    std::optional<Rgb> constant_emission;  ///< the emission, where it is the same at every point and direction
+    std::optional<Rgb>
+        constant_emission;  ///< the emission, where it is the same at every point and direction
 };
 ProgramTraits traits_of(const Program& program);
 /// Traits of the default material, which has no program.
-inline ProgramTraits default_traits() { return {.has_surface_lobes = true, .constant = true, .constant_emission = Rgb(0)}; }
+inline ProgramTraits default_traits() {
+    return {.has_surface_lobes = true, .constant = true, .constant_emission = Rgb(0)};
+}
 
 }  // namespace nephele

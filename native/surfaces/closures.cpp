@@ -9,21 +9,24 @@ namespace {
 /// A register's value where no instruction writes it.
 std::optional<Vec3f> constant_register(const Program& program, std::int16_t i) {
     for (const Instruction& step : program.code) {
-        if (step.dst == i) return std::nullopt;
+        if (step.dst == i)
+            return std::nullopt;
     }
     return program.registers[static_cast<std::size_t>(i)];
 }
 
 class TraitsFinder {
-public:
+  public:
     explicit TraitsFinder(const Program& program) : program_(program) {
         traits_.constant = program.code.empty();
-        for (const ClosureRow& row : program.closures) visit(row);
-        if (emission_is_constant_) traits_.constant_emission = emission_;
+        for (const ClosureRow& row : program.closures)
+            visit(row);
+        if (emission_is_constant_)
+            traits_.constant_emission = emission_;
     }
     const ProgramTraits& traits() const { return traits_; }
 
-private:
+  private:
     std::optional<Vec3f> input(const ClosureRow& row, int i) const {
         return constant_register(program_, row.inputs[static_cast<std::size_t>(i)]);
     }
@@ -34,31 +37,40 @@ private:
 
     void visit(const ClosureRow& row) {
         const auto weight = constant_register(program_, row.weight);
-        if (weight && is_zero(non_negative(*weight))) return;
+        if (weight && is_zero(non_negative(*weight)))
+            return;
         switch (row.kind) {
-            case ClosureKind::emission: return emits(row, weight, emission_input::color, emission_input::strength, true);
+            case ClosureKind::emission:
+                return emits(row, weight, emission_input::color, emission_input::strength, true);
             case ClosureKind::transparent: {
                 const auto color = input(row, transparent_input::color);
-                if (!color || !is_zero(non_negative(*color))) traits_.may_transmit_straight = true;
+                if (!color || !is_zero(non_negative(*color)))
+                    traits_.may_transmit_straight = true;
                 return;
             }
             case ClosureKind::principled: {
                 const auto alpha = input(row, principled_input::alpha);
-                if (!alpha || alpha->x < 1) traits_.may_transmit_straight = true;
+                if (!alpha || alpha->x < 1)
+                    traits_.may_transmit_straight = true;
                 traits_.has_surface_lobes = true;
                 const bool bare = is_always(row, principled_input::coat_weight, 0) &&
                                   is_always(row, principled_input::sheen_weight, 0) && alpha;
-                const auto shown = weight && alpha ? std::optional(non_negative(*weight) * clamp01(alpha->x)) : std::nullopt;
-                return emits(row, shown, principled_input::emission_color, principled_input::emission_strength, bare);
+                const auto shown =
+                    weight && alpha ? std::optional(non_negative(*weight) * clamp01(alpha->x)) : std::nullopt;
+                return emits(row, shown, principled_input::emission_color,
+                             principled_input::emission_strength, bare);
             }
-            default: traits_.has_surface_lobes = true;
+            default:
+                traits_.has_surface_lobes = true;
         }
     }
 
     /// bare: nothing that depends on the direction covers the emission.
-    void emits(const ClosureRow& row, std::optional<Vec3f> weight, int color_input, int strength_input, bool bare) {
+    void emits(const ClosureRow& row, std::optional<Vec3f> weight, int color_input, int strength_input,
+               bool bare) {
         const auto color = input(row, color_input), strength = input(row, strength_input);
-        if ((color && is_zero(*color)) || (strength && strength->x == 0)) return;
+        if ((color && is_zero(*color)) || (strength && strength->x == 0))
+            return;
         traits_.emissive = true;
         if (color && strength && weight && bare) {
             emission_ += non_negative(*weight) * finite(*color) * finite(*strength).x;
@@ -76,16 +88,20 @@ private:
 }  // namespace
 
 Rgb closure_emission(const ClosureRow& row, const RegisterFile& registers, const ShadingPoint& point) {
-    if (row.kind == ClosureKind::principled) return principled_emission(row, registers, point);
-    if (row.kind != ClosureKind::emission) return Rgb(0);
+    if (row.kind == ClosureKind::principled)
+        return principled_emission(row, registers, point);
+    if (row.kind != ClosureKind::emission)
+        return Rgb(0);
     const float strength = finite(registers[row.inputs[emission_input::strength]]).x;
-    return non_negative(registers[row.weight]) * finite(registers[row.inputs[emission_input::color]]) * strength;
+    return non_negative(registers[row.weight]) * finite(registers[row.inputs[emission_input::color]]) *
+           strength;
 }
 
 Rgb evaluate_emission(const Program& program, const ShadingPoint& point, const TextureContext& context) {
     const RegisterFile registers(program, point, context);
     Rgb sum;
-    for (const ClosureRow& row : program.closures) sum += closure_emission(row, registers, point);
+    for (const ClosureRow& row : program.closures)
+        sum += closure_emission(row, registers, point);
     return sum;
 }
 
@@ -93,13 +109,18 @@ Rgb evaluate_transparency(const Program& program, const ShadingPoint& point, con
     const RegisterFile registers(program, point, context);
     Rgb sum;
     for (const ClosureRow& row : program.closures) {
-        if (row.kind == ClosureKind::principled) sum += principled_transparency(row, registers);
-        if (row.kind != ClosureKind::transparent) continue;
-        sum += non_negative(registers[row.weight]) * non_negative(registers[row.inputs[transparent_input::color]]);
+        if (row.kind == ClosureKind::principled)
+            sum += principled_transparency(row, registers);
+        if (row.kind != ClosureKind::transparent)
+            continue;
+        sum += non_negative(registers[row.weight]) *
+               non_negative(registers[row.inputs[transparent_input::color]]);
     }
     return sum;
 }
 
-ProgramTraits traits_of(const Program& program) { return TraitsFinder(program).traits(); }
+ProgramTraits traits_of(const Program& program) {
+    return TraitsFinder(program).traits();
+}
 
 }  // namespace nephele

@@ -19,8 +19,8 @@ Rgb blend(BlendMode mode, Rgb a, Rgb b, float t);
 /// a with its hue turned by hue - 0.5 and saturation and value scaled, mixed with a by t.
 Rgb adjust_hue_saturation(Rgb a, float hue, float saturation, float value, float t);
 
-/// Colour of a blackbody at `kelvin` with luminance 1; channels outside the gamut are cut to 0. Planck's law over the
-/// CIE 1931 observer. Tabulated, and constant below 800 K and above 12000 K as in Blender.
+/// Colour of a blackbody at `kelvin` with luminance 1; channels outside the gamut are cut to 0. Planck's law
+/// over the CIE 1931 observer. Tabulated, and constant below 800 K and above 12000 K as in Blender.
 Rgb blackbody_color(float kelvin);
 
 }  // namespace nephele

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Grids: mu = x^2 (finer towards grazing angles), roughness and sheen alpha linear, eta by t = |eta - 1| / (eta + 1), so
-// that t^2 is the reflectance at normal incidence. Interpolated linearly along x, roughness and t.
+// Grids: mu = x^2 (finer towards grazing angles), roughness and sheen alpha linear, eta by t = |eta - 1| /
+// (eta + 1), so that t^2 is the reflectance at normal incidence. Interpolated linearly along x, roughness and
+// t.
 #include "surfaces/directional_albedo.h"
 
 #include <array>
@@ -16,10 +17,16 @@ namespace {
 
 constexpr int kFine = 32, kCoarse = 16;  // nodes an axis of the tables of two and of three parameters
 
-float node(int i, int count) { return static_cast<float>(i) / static_cast<float>(count - 1); }
-Vec3f direction(float mu) { return {std::sqrt(std::max(0.0f, 1 - mu * mu)), 0, mu}; }
+float node(int i, int count) {
+    return static_cast<float>(i) / static_cast<float>(count - 1);
+}
+Vec3f direction(float mu) {
+    return {std::sqrt(std::max(0.0f, 1 - mu * mu)), 0, mu};
+}
 /// mu of node i; grazing itself has no albedo, so the first node stands a little above.
-float node_mu(int i, int count) { return std::max(sqr(node(i, count)), 1e-3f); }
+float node_mu(int i, int count) {
+    return std::max(sqr(node(i, count)), 1e-3f);
+}
 
 /// Points that fill the unit square evenly (the additive recurrence of the plastic number, Roberts 2018).
 Vec2f even_point(int i) {
@@ -27,10 +34,12 @@ Vec2f even_point(int i) {
     return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
-/// Calls visit(h, wi, weight) for reflections at GGX normals; weight: G2 / G1, the estimator of the white albedo.
+/// Calls visit(h, wi, weight) for reflections at GGX normals; weight: G2 / G1, the estimator of the white
+/// albedo.
 template <typename F>
 void visit_normals(Vec3f wo, Microfacet facets, int count, F visit) {
-    for (int i = 0; i < count; ++i) visit(facets.sample_normal(wo, even_point(i)));
+    for (int i = 0; i < count; ++i)
+        visit(facets.sample_normal(wo, even_point(i)));
 }
 float shadowing(Microfacet facets, Vec3f wo, Vec3f wi) {
     const float lambda_o = facets.Lambda(wo);
@@ -62,7 +71,8 @@ struct Table2 {
     }
 };
 
-// --- Reflection --------------------------------------------------------------------------------------------------
+// --- Reflection
+// --------------------------------------------------------------------------------------------------
 
 struct ReflectionTable {
     Table2<kFine> albedo;
@@ -72,16 +82,19 @@ struct ReflectionTable {
         constexpr int kSamples = 1024;
         for (int j = 0; j < kFine; ++j) {
             const Microfacet facets{sqr(node(j, kFine)), false};
-            for (int i = 0; i < kFine; ++i) albedo.at(i, j) = integrate(direction(node_mu(i, kFine)), facets, kSamples);
+            for (int i = 0; i < kFine; ++i)
+                albedo.at(i, j) = integrate(direction(node_mu(i, kFine)), facets, kSamples);
             mean[static_cast<std::size_t>(j)] = integrate_mean(j);
         }
     }
     static float integrate(Vec3f wo, Microfacet facets, int samples) {
-        if (facets.specular()) return 1;
+        if (facets.specular())
+            return 1;
         double sum = 0;
         visit_normals(wo, facets, samples, [&](Vec3f h) {
             const Vec3f wi = 2 * dot(wo, h) * h - wo;
-            if (wi.z > 0) sum += static_cast<double>(shadowing(facets, wo, wi));
+            if (wi.z > 0)
+                sum += static_cast<double>(shadowing(facets, wo, wi));
         });
         return static_cast<float>(sum / samples);
     }
@@ -102,22 +115,28 @@ const ReflectionTable& reflection_table() {
     return table;
 }
 
-// --- Dielectric interface ----------------------------------------------------------------------------------------
+// --- Dielectric interface
+// ----------------------------------------------------------------------------------------
 
-float eta_of(float t, bool denser) { return denser ? (1 + t) / (1 - t) : (1 - t) / (1 + t); }
+float eta_of(float t, bool denser) {
+    return denser ? (1 + t) / (1 - t) : (1 - t) / (1 + t);
+}
 
 struct DielectricTable {
     std::vector<DielectricAlbedo> values;  ///< [denser][t][roughness][mu]
     std::vector<DielectricAlbedo> means;   ///< the same, every mu holding the mean over the hemisphere
 
     static std::size_t index(bool denser, int t, int roughness, int mu) {
-        return static_cast<std::size_t>(((denser ? kCoarse : 0) + t) * kCoarse * kCoarse + roughness * kCoarse + mu);
+        return static_cast<std::size_t>(((denser ? kCoarse : 0) + t) * kCoarse * kCoarse +
+                                        roughness * kCoarse + mu);
     }
     DielectricTable() : values(2 * kCoarse * kCoarse * kCoarse), means(values.size()) {
         for (int j = 0; j < kCoarse; ++j) {
-            for (int i = 0; i < kCoarse; ++i) integrate(j, i);
+            for (int i = 0; i < kCoarse; ++i)
+                integrate(j, i);
         }
-        for (std::size_t first = 0; first < values.size(); first += kCoarse) average(first);
+        for (std::size_t first = 0; first < values.size(); first += kCoarse)
+            average(first);
     }
     /// Weights of the nodes: 4 x^3 dx by the trapezoidal rule.
     void average(std::size_t first) {
@@ -150,11 +169,13 @@ struct DielectricTable {
                 const Vec3f refracted = (c / eta - cos_t) * h - wo / eta;
                 DielectricAlbedo& out = values[index(denser, k % kCoarse, j, i)];
                 out.reflected += F * reflected;
-                if (F < 1 && refracted.z < 0) out.transmitted += (1 - F) * shadowing(facets, wo, refracted) / kSamples;
+                if (F < 1 && refracted.z < 0)
+                    out.transmitted += (1 - F) * shadowing(facets, wo, refracted) / kSamples;
             }
         });
     }
-    static DielectricAlbedo lookup(const std::vector<DielectricAlbedo>& table, float x, float roughness, float eta) {
+    static DielectricAlbedo lookup(const std::vector<DielectricAlbedo>& table, float x, float roughness,
+                                   float eta) {
         const float t = std::fabs(eta - 1) / (eta + 1);
         const bool denser = eta >= 1;
         const Place px(x, kCoarse), pr(roughness, kCoarse), pt(t, kCoarse);
@@ -175,7 +196,8 @@ const DielectricTable& dielectric_table() {
     return table;
 }
 
-// --- Sheen -------------------------------------------------------------------------------------------------------
+// --- Sheen
+// -------------------------------------------------------------------------------------------------------
 
 struct SheenTable {
     Table2<kFine> albedo;
@@ -188,7 +210,8 @@ struct SheenTable {
                 const Vec3f wo = direction(node_mu(i, kFine));
                 double sum = 0;
                 for (int k = 0; k < kSamples; ++k) {
-                    const Vec2f u = even_point(k);  // uniform in solid angle: the lobe is strongest at grazing angles
+                    const Vec2f u =
+                        even_point(k);  // uniform in solid angle: the lobe is strongest at grazing angles
                     sum += static_cast<double>(sheen.eval(wo, spherical(u.x, u.y)).f.x);
                 }
                 albedo.at(i, j) = static_cast<float>(sum * 2 * static_cast<double>(kPi) / kSamples);

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fresnel reflectance: exact for dielectrics, Schlick with an edge tint at 82 degrees for metals (Kutz, Hasan and
-// Edmondson 2021, "Novel aspects of the Adobe Standard Material"). Cosines are of the angle between a direction and
-// the microfacet's normal, in [0,1]; eta = ior on the transmitted side / ior on wo's side.
+// Fresnel reflectance: exact for dielectrics, Schlick with an edge tint at 82 degrees for metals (Kutz, Hasan
+// and Edmondson 2021, "Novel aspects of the Adobe Standard Material"). Cosines are of the angle between a
+// direction and the microfacet's normal, in [0,1]; eta = ior on the transmitted side / ior on wo's side.
 #pragma once
 
 #include "math/vec.h"
 
 namespace nephele {
 
-/// Unpolarised reflectance of a smooth dielectric. cos_t: cosine of the refracted direction, 0 at total reflection.
+/// Unpolarised reflectance of a smooth dielectric. cos_t: cosine of the refracted direction, 0 at total
+/// reflection.
 inline float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
     const float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
     cos_t = std::sqrt(std::max(0.0f, 1 - sin2_t));
-    if (sin2_t >= 1) return 1;
+    if (sin2_t >= 1)
+        return 1;
     const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     return 0.5f * (perpendicular * perpendicular + parallel * parallel);
@@ -23,16 +25,19 @@ inline float fresnel_dielectric(float cos_i, float eta) {
 }
 
 /// Reflectance at normal incidence, and the index above 1 that has it.
-constexpr float f0_from_ior(float ior) { return sqr((ior - 1) / (ior + 1)); }
+constexpr float f0_from_ior(float ior) {
+    return sqr((ior - 1) / (ior + 1));
+}
 inline float ior_from_f0(float f0) {
     const float root = std::sqrt(std::clamp(f0, 0.0f, 0.99f));
     return (1 + root) / (1 - root);
 }
 
-/// Cosine-weighted mean of fresnel_dielectric over the hemisphere (fit of Kulla and Conty 2017, "Revisiting Physically
-/// Based Shading at Imageworks").
+/// Cosine-weighted mean of fresnel_dielectric over the hemisphere (fit of Kulla and Conty 2017, "Revisiting
+/// Physically Based Shading at Imageworks").
 inline float fresnel_dielectric_mean(float eta) {
-    if (eta >= 1) return (eta - 1) / (4.08567f + 1.00071f * eta);
+    if (eta >= 1)
+        return (eta - 1) / (4.08567f + 1.00071f * eta);
     return 0.997118f + eta * (0.1014f - eta * (0.965241f + eta * 0.130607f));
 }
 
@@ -59,16 +64,20 @@ struct Fresnel {
     static Fresnel dielectric(float eta) { return dielectric(eta, Rgb(f0_from_ior(eta))); }
 
     Rgb at(float cosine) const {
-        if (kind == Kind::constant) return f0;
-        if (kind == Kind::dielectric) return remapped(fresnel_dielectric(cosine, eta));
+        if (kind == Kind::constant)
+            return f0;
+        if (kind == Kind::dielectric)
+            return remapped(fresnel_dielectric(cosine, eta));
         const float m = 1 - clamp01(cosine), m2 = m * m, m5 = m2 * m2 * m;
         return max(f0 + (Rgb(1) - f0) * m5 - dip * (cosine * m5 * m), Rgb(0));
     }
 
     /// Cosine-weighted mean over the hemisphere.
     Rgb mean() const {
-        if (kind == Kind::constant) return f0;
-        if (kind == Kind::dielectric) return remapped(fresnel_dielectric_mean(eta));
+        if (kind == Kind::constant)
+            return f0;
+        if (kind == Kind::dielectric)
+            return remapped(fresnel_dielectric_mean(eta));
         return f0 + (Rgb(1) - f0) * (1.0f / 21.0f) - dip * (1.0f / 126.0f);
     }
 

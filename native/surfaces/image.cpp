@@ -28,7 +28,8 @@ int wrapped(int i, int size, Image::Extension extension) {
     }
     if (extension == Image::Extension::mirror) {
         i %= 2 * size;
-        if (i < 0) i += 2 * size;
+        if (i < 0)
+            i += 2 * size;
         return i < size ? i : 2 * size - 1 - i;
     }
     return std::clamp(i, 0, size - 1);
@@ -39,30 +40,40 @@ Image::Texel mix(const Image::Texel& a, const Image::Texel& b, float t) {
 }
 
 /// u with its whole tiles taken away (a tile and its mirror image), so that texel numbers stay exact far out.
-float within_tiles(float u) { return u - 2 * std::floor(u / 2); }
+float within_tiles(float u) {
+    return u - 2 * std::floor(u / 2);
+}
 
 }  // namespace
 
 Image::Texel Image::texel(int x, int y) const {
-    const std::size_t i = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
-    if (!floats.empty()) return {{floats[i], floats[i + 1], floats[i + 2]}, floats[i + 3]};
+    const std::size_t i =
+        4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    if (!floats.empty())
+        return {{floats[i], floats[i + 1], floats[i + 2]}, floats[i + 3]};
     const auto unit = [&](std::size_t k) { return static_cast<float>(bytes[k]) * (1.0f / 255); };
-    if (!srgb) return {{unit(i), unit(i + 1), unit(i + 2)}, unit(i + 3)};
+    if (!srgb)
+        return {{unit(i), unit(i + 1), unit(i + 2)}, unit(i + 3)};
     const auto& linear = linear_from_srgb_byte();
     return {{linear[bytes[i]], linear[bytes[i + 1]], linear[bytes[i + 2]]}, unit(i + 3)};
 }
 
 Image::Texel Image::sample(Vec2f uv, bool closest, Extension extension) const {
     const bool tiled = extension == Extension::repeat || extension == Extension::mirror;
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return {Rgb(0), 0};
-    if (extension == Extension::clip && (uv.x < 0 || uv.x > 1 || uv.y < 0 || uv.y > 1)) return {Rgb(0), 0};
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+        return {Rgb(0), 0};
+    if (extension == Extension::clip && (uv.x < 0 || uv.x > 1 || uv.y < 0 || uv.y > 1))
+        return {Rgb(0), 0};
     uv = tiled ? Vec2f{within_tiles(uv.x), within_tiles(uv.y)} : Vec2f{clamp01(uv.x), clamp01(uv.y)};
-    const auto at = [&](int x, int y) { return texel(wrapped(x, width, extension), wrapped(y, height, extension)); };
+    const auto at = [&](int x, int y) {
+        return texel(wrapped(x, width, extension), wrapped(y, height, extension));
+    };
     const float offset = closest ? 0 : 0.5f;  // texel centres are at half texels
     const float x = uv.x * static_cast<float>(width) - offset, y = uv.y * static_cast<float>(height) - offset;
     const float x0 = std::floor(x), y0 = std::floor(y);
     const int ix = static_cast<int>(x0), iy = static_cast<int>(y0);
-    if (closest) return at(ix, iy);
+    if (closest)
+        return at(ix, iy);
     const float tx = x - x0, ty = y - y0;
     return mix(mix(at(ix, iy), at(ix + 1, iy), tx), mix(at(ix, iy + 1), at(ix + 1, iy + 1), tx), ty);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lobes without microfacet normals: diffuse ones and sheen. All but the transmission sample a cosine hemisphere.
+// The lobes without microfacet normals: diffuse ones and sheen. All but the transmission sample a cosine
+// hemisphere.
 #include "surfaces/lobes.h"
 
 #include "math/warp.h"
@@ -11,19 +12,23 @@ namespace {
 std::optional<LobeSample> sample_cosine(const auto& lobe, Vec3f wo, Vec2f u) {
     const Vec3f wi = sample_cosine_hemisphere(u);
     const LobeValue value = lobe.eval(wo, wi);
-    if (!(value.pdf > 0)) return std::nullopt;
+    if (!(value.pdf > 0))
+        return std::nullopt;
     return LobeSample{wi, value.f / value.pdf, value.pdf, kDiffuseRay};
 }
 
 }  // namespace
 
-// --- Lambert -----------------------------------------------------------------------------------------------------
+// --- Lambert
+// -----------------------------------------------------------------------------------------------------
 
 LobeValue Lambert::eval(Vec3f, Vec3f wi) const {
     const float p = std::max(wi.z, 0.0f) * kInvPi;
     return {Rgb(p), p};
 }
-std::optional<LobeSample> Lambert::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
+std::optional<LobeSample> Lambert::sample(Vec3f wo, float, Vec2f u) const {
+    return sample_cosine(*this, wo, u);
+}
 
 LobeValue Translucent::eval(Vec3f, Vec3f wi) const {
     const float p = std::max(-wi.z, 0.0f) * kInvPi;
@@ -31,15 +36,18 @@ LobeValue Translucent::eval(Vec3f, Vec3f wi) const {
 }
 std::optional<LobeSample> Translucent::sample(Vec3f, float, Vec2f u) const {
     const Vec3f wi = sample_cosine_hemisphere(u);
-    if (!(wi.z > 0)) return std::nullopt;
+    if (!(wi.z > 0))
+        return std::nullopt;
     return LobeSample{{wi.x, wi.y, -wi.z}, Rgb(1), wi.z * kInvPi, kTransmissionRay};
 }
 
-// --- Rough diffuse -----------------------------------------------------------------------------------------------
+// --- Rough diffuse
+// -----------------------------------------------------------------------------------------------
 
 namespace {
 
-/// Fujii's normalisation, and albedos of his white surface: towards a cosine, and their mean (EON, section 3).
+/// Fujii's normalisation, and albedos of his white surface: towards a cosine, and their mean (EON, section
+/// 3).
 struct FujiiAlbedo {
     float r, a;
 
@@ -55,8 +63,9 @@ struct FujiiAlbedo {
     float mean() const { return a * (1 + (2.0f / 3 - 28 * kInvPi / 15) * r); }
 };
 
-/// Colour of the light that left after more than one bounce between facets. The paper has color^2; Cycles scales its
-/// whole lobe by the colour and so has color^3, measured as 0.879 against 0.896 of albedo 0.2 at roughness 0.5.
+/// Colour of the light that left after more than one bounce between facets. The paper has color^2; Cycles
+/// scales its whole lobe by the colour and so has color^3, measured as 0.879 against 0.896 of albedo 0.2 at
+/// roughness 0.5.
 Rgb multiple_scattering_color(Rgb color, float mean_albedo) {
     return color * color * color * mean_albedo / (Rgb(1) - color * (1 - mean_albedo));
 }
@@ -64,39 +73,50 @@ Rgb multiple_scattering_color(Rgb color, float mean_albedo) {
 }  // namespace
 
 LobeValue RoughDiffuse::eval(Vec3f wo, Vec3f wi) const {
-    if (wi.z <= 0) return {};
+    if (wi.z <= 0)
+        return {};
     const FujiiAlbedo albedo_of(roughness);
     const float cos_o = std::max(wo.z, 0.0f), s = dot(wo, wi) - cos_o * wi.z;
     const float single = albedo_of.a * (1 + albedo_of.r * (s > 0 ? s / std::max(cos_o, wi.z) : s));
-    const float mean = albedo_of.mean(), lost = (1 - albedo_of.towards(cos_o)) * (1 - albedo_of.towards(wi.z));
+    const float mean = albedo_of.mean(),
+                lost = (1 - albedo_of.towards(cos_o)) * (1 - albedo_of.towards(wi.z));
     // A smooth surface loses nothing; there `lost` and 1 - mean vanish together.
     const float multiple = mean < 1 ? std::max(0.0f, lost) / (1 - mean) : 0;
     const float p = wi.z * kInvPi;
     return {(color * std::max(0.0f, single) + multiple_scattering_color(color, mean) * multiple) * p, p};
 }
-std::optional<LobeSample> RoughDiffuse::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
+std::optional<LobeSample> RoughDiffuse::sample(Vec3f wo, float, Vec2f u) const {
+    return sample_cosine(*this, wo, u);
+}
 Rgb RoughDiffuse::albedo(Vec3f wo) const {
     const FujiiAlbedo albedo_of(roughness);
     const float single = albedo_of.towards(wo.z);
     return color * single + multiple_scattering_color(color, albedo_of.mean()) * (1 - single);
 }
 
-// --- Sheen -------------------------------------------------------------------------------------------------------
+// --- Sheen
+// -------------------------------------------------------------------------------------------------------
 
 LobeValue Sheen::eval(Vec3f wo, Vec3f wi) const {
-    if (wo.z <= 0 || wi.z <= 0) return {};
+    if (wo.z <= 0 || wi.z <= 0)
+        return {};
     const Vec3f h = normalize(wo + wi);
-    const float exponent = 1 / std::max(alpha, 0.05f), sine = std::sqrt(std::max(0.0f, h.x * h.x + h.y * h.y));
+    const float exponent = 1 / std::max(alpha, 0.05f),
+                sine = std::sqrt(std::max(0.0f, h.x * h.x + h.y * h.y));
     const float D = (2 + exponent) * std::pow(sine, exponent) * (0.5f * kInvPi);
     const float visibility = 0.25f / (wo.z + wi.z - wo.z * wi.z);  // Neubelt and Pettineo 2013
     return {Rgb(scale * D * visibility * wi.z), wi.z * kInvPi};
 }
-std::optional<LobeSample> Sheen::sample(Vec3f wo, float, Vec2f u) const { return sample_cosine(*this, wo, u); }
-Rgb Sheen::albedo(Vec3f wo) const { return Rgb(scale * sheen_albedo(wo.z, alpha)); }
+std::optional<LobeSample> Sheen::sample(Vec3f wo, float, Vec2f u) const {
+    return sample_cosine(*this, wo, u);
+}
+Rgb Sheen::albedo(Vec3f wo) const {
+    return Rgb(scale * sheen_albedo(wo.z, alpha));
+}
 
 Sheen make_sheen(float roughness, float mu) {
-    // Fit of ours to albedos measured in renders of Cycles 5.0's Sheen BSDF under a white sky, roughness 0.05 to 1 and
-    // angles 0 to 86 degrees; largest error 0.036. The shape stays Charlie's, kept broad.
+    // Fit of ours to albedos measured in renders of Cycles 5.0's Sheen BSDF under a white sky, roughness 0.05
+    // to 1 and angles 0 to 86 degrees; largest error 0.036. The shape stays Charlie's, kept broad.
     const float r = clamp01(std::max(roughness, 0.02f)), m = clamp01(mu);
     const float albedo = std::exp(-0.320f - 0.755f * std::pow(r, -1.581f) * m) * std::pow(r, 2.027f * m * m);
     const Sheen plain{0.25f + 0.75f * r};

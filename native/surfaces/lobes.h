@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lobes that surfaces are mixed from. Directions are unit vectors in the lobe's own frame, z its normal; wo is on
-// the side of +z. Weights (colours, mixing) are the Bsdf's; a lobe is the bare scattering function.
+// The lobes that surfaces are mixed from. Directions are unit vectors in the lobe's own frame, z its normal;
+// wo is on the side of +z. Weights (colours, mixing) are the Bsdf's; a lobe is the bare scattering function.
 #pragma once
 
 #include <concepts>
@@ -19,7 +19,8 @@ struct LobeValue {
     float pdf = 0;
 };
 
-/// A direction drawn from a lobe. weight: f |cos wi| / pdf; for a specular lobe the pdf is a point mass and left 0.
+/// A direction drawn from a lobe. weight: f |cos wi| / pdf; for a specular lobe the pdf is a point mass and
+/// left 0.
 struct LobeSample {
     Vec3f wi;
     Rgb weight;
@@ -33,7 +34,9 @@ concept LobeLike = requires(const L lobe, Vec3f wo, Vec3f wi, float choice, Vec2
     { lobe.specular() } -> std::same_as<bool>;
     { lobe.eval(wo, wi) } -> std::same_as<LobeValue>;
     { lobe.sample(wo, choice, u) } -> std::same_as<std::optional<LobeSample>>;
-    { lobe.albedo(wo) } -> std::same_as<Rgb>;  ///< share of light from wo that the lobe scatters; may be estimated
+    {
+        lobe.albedo(wo)
+        } -> std::same_as<Rgb>;  ///< share of light from wo that the lobe scatters; may be estimated
 };
 
 /// Lambert's diffuse reflection.
@@ -52,9 +55,10 @@ struct Translucent {
     Rgb albedo(Vec3f) const { return Rgb(1); }
 };
 
-/// Rough diffuse reflection that keeps its energy: Fujii's Oren-Nayar with multiple scattering (Portsmouth, Kutz and
-/// Hill 2024, "EON: a practical energy-preserving rough diffuse BRDF"). color is part of the lobe, since light that
-/// bounces between facets takes it up more than once; as in Cycles, the paper's colour of those bounces counts once more.
+/// Rough diffuse reflection that keeps its energy: Fujii's Oren-Nayar with multiple scattering (Portsmouth,
+/// Kutz and Hill 2024, "EON: a practical energy-preserving rough diffuse BRDF"). color is part of the lobe,
+/// since light that bounces between facets takes it up more than once; as in Cycles, the paper's colour of
+/// those bounces counts once more.
 struct RoughDiffuse {
     Rgb color{1};
     float roughness = 0;  ///< [0,1]
@@ -77,10 +81,11 @@ struct Reflection {
     Rgb albedo(Vec3f wo) const;
 };
 
-/// Microfacet reflection and refraction (Walter et al. 2007). Radiance is not scaled by the squared index, as in Cycles.
+/// Microfacet reflection and refraction (Walter et al. 2007). Radiance is not scaled by the squared index, as
+/// in Cycles.
 struct Dielectric {
     Microfacet facets;
-    Fresnel fresnel;  ///< constant 0 makes the lobe refract only
+    Fresnel fresnel;   ///< constant 0 makes the lobe refract only
     float eta = 1.5f;  ///< ior beyond the surface / ior on wo's side
     Rgb reflection_tint{1}, transmission_tint{1};
     Rgb scale{1};  ///< as Reflection's
@@ -90,12 +95,13 @@ struct Dielectric {
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
 
-private:
+  private:
     Rgb reflectance(float cosine) const;
     float reflect_probability(Rgb reflected) const;
 };
 
-/// Cloth-like reflection at grazing angles (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF").
+/// Cloth-like reflection at grazing angles (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen
+/// BRDF").
 struct Sheen {
     float alpha = 0.5f;
     float scale = 1;  ///< towards this wo, so that the albedo is a wanted one; see make_sheen

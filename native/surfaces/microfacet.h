@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Isotropic microfacet distributions in a local frame whose z is the macroscopic normal: GGX (Trowbridge-Reitz; Walter
-// et al. 2007) and Beckmann, with Smith's height-correlated shadowing G2 = 1 / (1 + Lambda(wo) + Lambda(wi)) (Heitz
-// 2014). GGX samples the normals visible from wo (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical
-// Caps"); Beckmann samples D cos.
+// Isotropic microfacet distributions in a local frame whose z is the macroscopic normal: GGX
+// (Trowbridge-Reitz; Walter et al. 2007) and Beckmann, with Smith's height-correlated shadowing G2 = 1 / (1 +
+// Lambda(wo) + Lambda(wi)) (Heitz 2014). GGX samples the normals visible from wo (Dupuy and Benyoub 2023,
+// "Sampling Visible GGX Normals with Spherical Caps"); Beckmann samples D cos.
 #pragma once
 
 #include "math/vec.h"
@@ -23,16 +23,20 @@ struct Microfacet {
     /// Density of normals h (h.z > 0) per solid angle and projected area.
     float D(Vec3f h) const {
         const float cos2 = h.z * h.z, tan2 = (h.x * h.x + h.y * h.y) / (alpha * alpha * cos2);
-        if (beckmann) return std::exp(-tan2) / (kPi * alpha * alpha * cos2 * cos2);
+        if (beckmann)
+            return std::exp(-tan2) / (kPi * alpha * alpha * cos2 * cos2);
         return 1 / (kPi * sqr(alpha * cos2 * (1 + tan2)));
     }
 
     /// Smith's Lambda of a direction on either side.
     float Lambda(Vec3f w) const {
         const float tan2 = alpha * alpha * (w.x * w.x + w.y * w.y) / (w.z * w.z);
-        if (!beckmann) return 0.5f * (std::sqrt(1 + tan2) - 1);
-        if (tan2 == 0) return 0;
-        const float a = 1 / std::sqrt(tan2);  // exact for Beckmann: (erf(a) - 1) / 2 + exp(-a^2) / (2 a sqrt(pi))
+        if (!beckmann)
+            return 0.5f * (std::sqrt(1 + tan2) - 1);
+        if (tan2 == 0)
+            return 0;
+        const float a =
+            1 / std::sqrt(tan2);  // exact for Beckmann: (erf(a) - 1) / 2 + exp(-a^2) / (2 a sqrt(pi))
         return 0.5f * (std::exp(-a * a) / (a * std::sqrt(kPi)) - std::erfc(a));
     }
 
@@ -41,7 +45,8 @@ struct Microfacet {
         const float phi = 2 * kPi * u.x;
         if (beckmann) {
             const float tan_theta = alpha * std::sqrt(-std::log(1 - u.y));
-            const float cos_theta = 1 / std::sqrt(1 + tan_theta * tan_theta), sin_theta = cos_theta * tan_theta;
+            const float cos_theta = 1 / std::sqrt(1 + tan_theta * tan_theta),
+                        sin_theta = cos_theta * tan_theta;
             return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta};
         }
         const Vec3f w = normalize(Vec3f(alpha * wo.x, alpha * wo.y, wo.z));
@@ -50,8 +55,8 @@ struct Microfacet {
         return normalize(Vec3f(alpha * h.x, alpha * h.y, std::max(1e-7f, h.z)));
     }
 
-    /// Density of sample_normal per solid angle, divided by wo.h (the factor that reflection and refraction cancel).
-    /// d: D(h). lambda_o: Lambda(wo).
+    /// Density of sample_normal per solid angle, divided by wo.h (the factor that reflection and refraction
+    /// cancel). d: D(h). lambda_o: Lambda(wo).
     float normal_pdf_over_cosine(Vec3f wo, Vec3f h, float d, float lambda_o) const {
         return beckmann ? d * h.z / dot(wo, h) : d / ((1 + lambda_o) * wo.z);
     }

@@ -6,7 +6,8 @@
 namespace nephele {
 namespace {
 
-// --- Hash of lattice points ------------------------------------------------------------------------------------
+// --- Hash of lattice points
+// ------------------------------------------------------------------------------------
 
 /// lookup3's final mixing of three words.
 std::uint32_t final_mix(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -19,22 +20,32 @@ std::uint32_t final_mix(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return (c ^ b) - std::rotl(b, 24);
 }
 /// lookup3's initial state for a key of that many words.
-constexpr std::uint32_t start(std::uint32_t words) { return 0xdeadbeefu + (words << 2) + 13; }
+constexpr std::uint32_t start(std::uint32_t words) {
+    return 0xdeadbeefu + (words << 2) + 13;
+}
 
-std::uint32_t hash(int x) { return final_mix(start(1) + static_cast<std::uint32_t>(x), start(1), start(1)); }
+std::uint32_t hash(int x) {
+    return final_mix(start(1) + static_cast<std::uint32_t>(x), start(1), start(1));
+}
 std::uint32_t hash(int x, int y) {
-    return final_mix(start(2) + static_cast<std::uint32_t>(x), start(2) + static_cast<std::uint32_t>(y), start(2));
+    return final_mix(start(2) + static_cast<std::uint32_t>(x), start(2) + static_cast<std::uint32_t>(y),
+                     start(2));
 }
 std::uint32_t hash(int x, int y, int z) {
     return final_mix(start(3) + static_cast<std::uint32_t>(x), start(3) + static_cast<std::uint32_t>(y),
                      start(3) + static_cast<std::uint32_t>(z));
 }
 
-// --- Gradients: dot products of the hashed gradient with the offset (Perlin 2002) --------------------------------
+// --- Gradients: dot products of the hashed gradient with the offset (Perlin 2002)
+// --------------------------------
 
-float signed_by(std::uint32_t bit, float v) { return bit ? -v : v; }
+float signed_by(std::uint32_t bit, float v) {
+    return bit ? -v : v;
+}
 
-float gradient(std::uint32_t h, float x) { return signed_by(h & 8, static_cast<float>(1 + (h & 7)) * x); }
+float gradient(std::uint32_t h, float x) {
+    return signed_by(h & 8, static_cast<float>(1 + (h & 7)) * x);
+}
 float gradient(std::uint32_t h, float x, float y) {
     const bool along_x = (h & 7) < 4;
     return signed_by(h & 1, along_x ? x : y) + signed_by(h & 2, 2 * (along_x ? y : x));
@@ -46,7 +57,9 @@ float gradient(std::uint32_t h, float x, float y, float z) {
 }
 
 /// Perlin's quintic fade.
-float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+float fade(float t) {
+    return t * t * t * (t * (t * 6 - 15) + 10);
+}
 
 /// A coordinate split into its lattice cell and the place inside.
 struct Cell {
@@ -62,7 +75,8 @@ struct Cell {
     }
 };
 
-// --- Octaves -----------------------------------------------------------------------------------------------------
+// --- Octaves
+// -----------------------------------------------------------------------------------------------------
 
 float octave(Vec3f p, int dimensions) {
     return dimensions == 1 ? perlin(p.x) : dimensions == 2 ? perlin(p.x, p.y) : perlin(p);
@@ -70,7 +84,8 @@ float octave(Vec3f p, int dimensions) {
 
 /// Sum of octaves, each finer and weaker than the one before.
 float fractal_sum(Vec3f p, const NoiseSettings& settings) {
-    const float detail = std::clamp(settings.detail, 0.0f, 15.0f), roughness = std::max(settings.roughness, 0.0f);
+    const float detail = std::clamp(settings.detail, 0.0f, 15.0f),
+                roughness = std::max(settings.roughness, 0.0f);
     const int octaves = static_cast<int>(detail);
     const float rest = detail - std::floor(detail);
     float sum = 0, amplitude = 1, total = 0, frequency = 1;
@@ -81,7 +96,8 @@ float fractal_sum(Vec3f p, const NoiseSettings& settings) {
         amplitude *= roughness;
         frequency *= settings.lacunarity;
     }
-    if (rest == 0) return finished(sum, total);
+    if (rest == 0)
+        return finished(sum, total);
     const float finer = sum + amplitude * octave(p * frequency, settings.dimensions);
     return lerp(finished(sum, total), finished(finer, total + amplitude), rest);
 }
@@ -90,16 +106,20 @@ float fractal_sum(Vec3f p, const NoiseSettings& settings) {
 Vec3f offset(int seed, int dimensions) {
     const auto bits = [](int i) { return std::bit_cast<int>(static_cast<float>(i)); };
     const auto scaled = [](std::uint32_t h) { return 100 + 100 * (static_cast<float>(h) / 4294967295.0f); };
-    if (dimensions == 1) return {scaled(hash(bits(seed))), 0, 0};
-    return {scaled(hash(bits(seed), bits(0))), scaled(hash(bits(seed), bits(1))), scaled(hash(bits(seed), bits(2)))};
+    if (dimensions == 1)
+        return {scaled(hash(bits(seed))), 0, 0};
+    return {scaled(hash(bits(seed), bits(0))), scaled(hash(bits(seed), bits(1))),
+            scaled(hash(bits(seed), bits(2)))};
 }
 
 /// A point moved by as many noises as there are dimensions.
 Vec3f distorted(Vec3f p, const NoiseSettings& settings) {
-    if (settings.distortion == 0) return p;
+    if (settings.distortion == 0)
+        return p;
     const int n = settings.dimensions;
     Vec3f moved = p;
-    for (int i = 0; i < n; ++i) moved[i] += settings.distortion * octave(p + offset(i, n), n);
+    for (int i = 0; i < n; ++i)
+        moved[i] += settings.distortion * octave(p + offset(i, n), n);
     return moved;
 }
 
@@ -122,13 +142,18 @@ float perlin(float x, float y) {
 float perlin(Vec3f p) {
     const Cell cx(p.x), cy(p.y), cz(p.z);
     const auto row = [&](int j, int k, float fy, float fz) {
-        return lerp(gradient(hash(cx.i, j, k), cx.f, fy, fz), gradient(hash(cx.i + 1, j, k), cx.f - 1, fy, fz), cx.faded);
+        return lerp(gradient(hash(cx.i, j, k), cx.f, fy, fz),
+                    gradient(hash(cx.i + 1, j, k), cx.f - 1, fy, fz), cx.faded);
     };
-    const auto slab = [&](int k, float fz) { return lerp(row(cy.i, k, cy.f, fz), row(cy.i + 1, k, cy.f - 1, fz), cy.faded); };
+    const auto slab = [&](int k, float fz) {
+        return lerp(row(cy.i, k, cy.f, fz), row(cy.i + 1, k, cy.f - 1, fz), cy.faded);
+    };
     return 0.9820f * lerp(slab(cz.i, cz.f), slab(cz.i + 1, cz.f - 1), cz.faded);
 }
 
-float noise_value(Vec3f p, const NoiseSettings& settings) { return fractal_sum(distorted(p, settings), settings); }
+float noise_value(Vec3f p, const NoiseSettings& settings) {
+    return fractal_sum(distorted(p, settings), settings);
+}
 
 Rgb noise_color(Vec3f p, const NoiseSettings& settings) {
     const int n = settings.dimensions;  // seeds 0 to n - 1 serve the distortion

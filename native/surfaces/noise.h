@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Perlin's gradient noise and its fractal sum (fBM), with the hash, gradients and scales of Blender's Noise Texture, so
-// that pictures agree: lattice points are hashed by the final mix of Bob Jenkins' lookup3 (2006).
+// Perlin's gradient noise and its fractal sum (fBM), with the hash, gradients and scales of Blender's Noise
+// Texture, so that pictures agree: lattice points are hashed by the final mix of Bob Jenkins' lookup3 (2006).
 #pragma once
 
 #include "math/vec.h"
@@ -13,9 +13,9 @@ float perlin(float x, float y);
 float perlin(Vec3f p);
 
 struct NoiseSettings {
-    float detail = 2;       ///< number of octaves beyond the first; a fraction blends the last one in; [0, 15]
-    float roughness = 0.5f; ///< amplitude of an octave relative to the one before
-    float lacunarity = 2;   ///< frequency of an octave relative to the one before
+    float detail = 2;  ///< number of octaves beyond the first; a fraction blends the last one in; [0, 15]
+    float roughness = 0.5f;  ///< amplitude of an octave relative to the one before
+    float lacunarity = 2;    ///< frequency of an octave relative to the one before
     float distortion = 0;
     bool normalize = true;  ///< map the sum from [-1, 1] to [0, 1]
     int dimensions = 3;     ///< 1, 2 or 3: how many coordinates of the point count

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shading programs: straight-line code over registers of three floats, what the exporter makes of a node tree.
-// addon/opcodes.py states what every operation and closure means; its enums are generated into opcodes_table.h.
+// Shading programs: straight-line code over registers of three floats, what the exporter makes of a node
+// tree. addon/opcodes.py states what every operation and closure means; its enums are generated into
+// opcodes_table.h.
 #pragma once
 
 #include <array>
@@ -43,28 +44,32 @@ struct Program {
 /// What textures need beyond the shading point.
 struct TextureContext {
     std::span<const Image> images;
-    Transform camera_from_world;                 ///< the camera looks along its local -z, y up
-    std::array<float, 4> viewplane{0, 1, 0, 1};  ///< left, right, bottom, top (at distance 1 where perspective)
+    Transform camera_from_world;  ///< the camera looks along its local -z, y up
+    std::array<float, 4> viewplane{0, 1, 0,
+                                   1};  ///< left, right, bottom, top (at distance 1 where perspective)
     bool orthographic = false;
 };
 
 /// Most lobes that a closure of this kind becomes.
 int lobe_count(ClosureKind kind);
 
-/// Throws std::invalid_argument, saying which instruction or closure and why, unless every register, parameter, image,
-/// operation and mode of the program exists. Files may be corrupt; a validated program runs without further checks.
+/// Throws std::invalid_argument, saying which instruction or closure and why, unless every register,
+/// parameter, image, operation and mode of the program exists. Files may be corrupt; a validated program runs
+/// without further checks.
 void validate(const Program& program, std::size_t image_count);
 
-/// Runs a validated program. registers: room for program.registers.size() values; holds their final values after.
+/// Runs a validated program. registers: room for program.registers.size() values; holds their final values
+/// after.
 void run(const Program& program, const ShadingPoint& point, const TextureContext& context, Vec3f* registers);
 
-/// Final register values of a program at a point. Copies only the registers in use, and nothing where the program has
-/// no code.
+/// Final register values of a program at a point. Copies only the registers in use, and nothing where the
+/// program has no code.
 class RegisterFile {
-public:
+  public:
     RegisterFile(const Program& program, const ShadingPoint& point, const TextureContext& context)
         : values_(program.registers.data()) {
-        if (program.code.empty()) return;
+        if (program.code.empty())
+            return;
         auto* storage = reinterpret_cast<Vec3f*>(storage_);
         run(program, point, context, storage);
         values_ = storage;
@@ -74,7 +79,7 @@ public:
 
     Vec3f operator[](std::int16_t i) const { return values_[i]; }
 
-private:
+  private:
     const Vec3f* values_;
     alignas(Vec3f) std::byte storage_[kMaxRegisters * sizeof(Vec3f)];  // filled by run() alone
 };
@@ -84,6 +89,8 @@ inline Vec3f finite(Vec3f v) {
     return {std::isfinite(v.x) ? v.x : 0, std::isfinite(v.y) ? v.y : 0, std::isfinite(v.z) ? v.z : 0};
 }
 /// As finite(); weights and colours of scattering are not negative either.
-inline Vec3f non_negative(Vec3f v) { return max(finite(v), Vec3f(0)); }
+inline Vec3f non_negative(Vec3f v) {
+    return max(finite(v), Vec3f(0));
+}
 
 }  // namespace nephele

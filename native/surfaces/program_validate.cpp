@@ -9,13 +9,15 @@ namespace nephele {
 namespace {
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
-    throw std::invalid_argument("shading program, " + where + ": " + what + "; the scene description is corrupt");
+    throw std::invalid_argument("shading program, " + where + ": " + what +
+                                "; the scene description is corrupt");
 }
 
 void check_range(const std::string& where, const char* name, long long value, long long low, long long high) {
-    if (value >= low && value <= high) return;
-    refuse(where, std::string(name) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) + ", " +
-                      std::to_string(high) + "]");
+    if (value >= low && value <= high)
+        return;
+    refuse(where, std::string(name) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) +
+                      ", " + std::to_string(high) + "]");
 }
 
 /// Largest mode of an operation; the smallest is 0.
@@ -24,22 +26,32 @@ long long largest_mode(Op op) {
         case Op::uv:
         case Op::attribute:
         case Op::attribute_alpha:
-        case Op::normal_map: return 0xffff;  // a number of the mesh's; absent ones read as 0
-        case Op::ray_is: return (1 << kRayKindCount) - 1;
+        case Op::normal_map:
+            return 0xffff;  // a number of the mesh's; absent ones read as 0
+        case Op::ray_is:
+            return (1 << kRayKindCount) - 1;
         case Op::image:
         case Op::image_alpha:
         case Op::environment:
-        case Op::environment_mirror_ball: return 7;
-        case Op::noise: return 11;
-        case Op::gradient: return 6;
+        case Op::environment_mirror_ball:
+            return 7;
+        case Op::noise:
+            return 11;
+        case Op::gradient:
+            return 6;
         case Op::ramp:
-        case Op::ramp_alpha: return 1 << 20;
+        case Op::ramp_alpha:
+            return 1 << 20;
         case Op::map_range:
-        case Op::channel: return 2;
-        case Op::blend: return kBlendModeCount - 1;
+        case Op::channel:
+            return 2;
+        case Op::blend:
+            return kBlendModeCount - 1;
         case Op::transform:
-        case Op::layer_weight: return 1;
-        default: return 0;
+        case Op::layer_weight:
+            return 1;
+        default:
+            return 0;
     }
 }
 
@@ -49,15 +61,21 @@ long long parameters_read(Op op, long long mode) {
         case Op::image:
         case Op::image_alpha:
         case Op::environment:
-        case Op::environment_mirror_ball: return 1;
-        case Op::ramp: return 3 * (mode + 1);
-        case Op::ramp_alpha: return mode + 1;
-        case Op::transform: return 12;
-        default: return 0;
+        case Op::environment_mirror_ball:
+            return 1;
+        case Op::ramp:
+            return 3 * (mode + 1);
+        case Op::ramp_alpha:
+            return mode + 1;
+        case Op::transform:
+            return 12;
+        default:
+            return 0;
     }
 }
 
-void check_image(const Program& program, const std::string& where, std::int32_t parameter, std::size_t image_count) {
+void check_image(const Program& program, const std::string& where, std::int32_t parameter,
+                 std::size_t image_count) {
     const float number = program.parameters[static_cast<std::size_t>(parameter)];
     if (!(number >= 0 && number < static_cast<float>(image_count))) {
         refuse(where, "there is no image number " + std::to_string(number));
@@ -71,26 +89,38 @@ void check_instruction(const Program& program, std::size_t index, std::size_t im
     where += std::string(" (") + kOpNames[i.op] + ")";
     const auto last = static_cast<long long>(program.registers.size()) - 1;
     check_range(where, "the destination register", i.dst, 0, last);
-    for (const std::int32_t r : {i.a, i.b, i.c, i.d}) check_range(where, "an operand's register", r, 0, last);
+    for (const std::int32_t r : {i.a, i.b, i.c, i.d})
+        check_range(where, "an operand's register", r, 0, last);
     const Op op = static_cast<Op>(i.op);
     const bool table = op == Op::ramp || op == Op::ramp_alpha;
     check_range(where, "the mode", i.mode, table ? 1 : 0, largest_mode(op));
     const long long read = parameters_read(op, i.mode);
-    if (read == 0) return;
-    check_range(where, "the parameter offset", i.parameter, 0, static_cast<long long>(program.parameters.size()) - read);
-    const bool image = op == Op::image || op == Op::image_alpha || op == Op::environment || op == Op::environment_mirror_ball;
-    if (image) check_image(program, where, i.parameter, image_count);
+    if (read == 0)
+        return;
+    check_range(where, "the parameter offset", i.parameter, 0,
+                static_cast<long long>(program.parameters.size()) - read);
+    const bool image = op == Op::image || op == Op::image_alpha || op == Op::environment ||
+                       op == Op::environment_mirror_ball;
+    if (image)
+        check_image(program, where, i.parameter, image_count);
 }
 
 bool is_normal(ClosureKind kind, int input) {
     switch (kind) {
-        case ClosureKind::diffuse: return input == diffuse_input::normal;
-        case ClosureKind::glossy: return input == glossy_input::normal;
-        case ClosureKind::glass: return input == glass_input::normal;
-        case ClosureKind::refraction: return input == refraction_input::normal;
-        case ClosureKind::translucent: return input == translucent_input::normal;
-        case ClosureKind::principled: return input == principled_input::normal || input == principled_input::coat_normal;
-        default: return false;
+        case ClosureKind::diffuse:
+            return input == diffuse_input::normal;
+        case ClosureKind::glossy:
+            return input == glossy_input::normal;
+        case ClosureKind::glass:
+            return input == glass_input::normal;
+        case ClosureKind::refraction:
+            return input == refraction_input::normal;
+        case ClosureKind::translucent:
+            return input == translucent_input::normal;
+        case ClosureKind::principled:
+            return input == principled_input::normal || input == principled_input::coat_normal;
+        default:
+            return false;
     }
 }
 
@@ -114,9 +144,12 @@ void check_closure(const Program& program, std::size_t index) {
 int lobe_count(ClosureKind kind) {
     switch (kind) {
         case ClosureKind::transparent:
-        case ClosureKind::emission: return 0;
-        case ClosureKind::principled: return kPrincipledLobes;
-        default: return 1;
+        case ClosureKind::emission:
+            return 0;
+        case ClosureKind::principled:
+            return kPrincipledLobes;
+        default:
+            return 1;
     }
 }
 
@@ -124,15 +157,17 @@ void validate(const Program& program, std::size_t image_count) {
     if (program.registers.empty() || program.registers.size() > kMaxRegisters) {
         refuse("registers", "there are " + std::to_string(program.registers.size()) + ", not 1 to 256");
     }
-    for (std::size_t i = 0; i < program.code.size(); ++i) check_instruction(program, i, image_count);
+    for (std::size_t i = 0; i < program.code.size(); ++i)
+        check_instruction(program, i, image_count);
     int lobes = 0;
     for (std::size_t i = 0; i < program.closures.size(); ++i) {
         check_closure(program, i);
         lobes += lobe_count(program.closures[i].kind);
     }
     if (lobes > kMaxLobes) {
-        throw std::invalid_argument("shading program: it mixes " + std::to_string(lobes) + " scattering lobes, more than " +
-                                    std::to_string(kMaxLobes) + "; mix fewer shaders in one material");
+        throw std::invalid_argument("shading program: it mixes " + std::to_string(lobes) +
+                                    " scattering lobes, more than " + std::to_string(kMaxLobes) +
+                                    "; mix fewer shaders in one material");
     }
 }
 

@@ -28,16 +28,22 @@ bool checker_is_odd(Vec3f p) {
 
 float gradient_value(Gradient kind, Vec3f p) {
     switch (kind) {
-        case Gradient::linear: return clamp01(p.x);
-        case Gradient::quadratic: return clamp01(sqr(std::max(p.x, 0.0f)));
+        case Gradient::linear:
+            return clamp01(p.x);
+        case Gradient::quadratic:
+            return clamp01(sqr(std::max(p.x, 0.0f)));
         case Gradient::easing: {
             const float r = clamp01(p.x);
             return r * r * (3 - 2 * r);
         }
-        case Gradient::diagonal: return clamp01(0.5f * (p.x + p.y));
-        case Gradient::radial: return clamp01(std::atan2(p.y, p.x) / (2 * kPi) + 0.5f);
-        case Gradient::spherical: break;
-        case Gradient::quadratic_sphere: break;
+        case Gradient::diagonal:
+            return clamp01(0.5f * (p.x + p.y));
+        case Gradient::radial:
+            return clamp01(std::atan2(p.y, p.x) / (2 * kPi) + 0.5f);
+        case Gradient::spherical:
+            break;
+        case Gradient::quadratic_sphere:
+            break;
     }
     const float r = std::max(0.999999f - length(p), 0.0f);  // a hair below 1, so that dark stays exactly dark
     return kind == Gradient::spherical ? r : r * r;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Procedural textures other than noise, tables, and the maps from directions to image coordinates, as Blender has them.
+// Procedural textures other than noise, tables, and the maps from directions to image coordinates, as Blender
+// has them.
 #pragma once
 
 #include <span>

@@ -35,6 +35,8 @@ public:
     const Interval& interval() const { return interval_; }
     float piece_end() const { return piece_end_; }
     float majorant() const { return majorant_; }
+    /// Whether the field is 0 on the whole piece.
+    bool empty() const { return walk_ && field_majorant_ == 0; }
     /// Moves to the piece after piece_end(); false at the interval's end.
     bool advance() {
         if (piece_end_ >= interval_.t1) return false;
@@ -46,6 +48,7 @@ public:
         MajorantPiece piece;
         if (!walk_->next(piece)) return false;
         piece_end_ = piece.t_end;
+        field_majorant_ = piece.majorant;
         majorant_ = piece.majorant * interval_.medium->sigma_t_max();
         return true;
     }
@@ -63,7 +66,7 @@ public:
 private:
     Interval interval_;
     std::optional<MajorantWalk> walk_;
-    float piece_end_, majorant_ = 0, global_majorant_ = 0;
+    float piece_end_, majorant_ = 0, field_majorant_ = 0, global_majorant_ = 0;
 };
 
 /// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between events (candidates

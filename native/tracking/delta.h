@@ -65,9 +65,14 @@ inline Flight sample_flight(const Segment& segment, TrackingScratch& scratch, bo
     scratch.start(segment, global_majorant);
     const auto gather = [&](float t0, float t1) {
         for (const MajorantTrack& track : scratch.tracks) {
-            const Rgb emission = track.interval().medium->emission;
-            if (is_zero(emission) || track.interval().t0 > t0) continue;
-            if (t1 < kInfinity) flight.emitted += beta * emission * (t1 - t0);
+            const Medium& m = *track.interval().medium;
+            if (is_zero(m.emission) || track.interval().t0 > t0 || !(t1 < kInfinity)) continue;
+            Rgb emission = m.emission;
+            if (m.density_scales_emission && m.density) {  // one point stands for the stretch
+                if (track.empty()) continue;
+                emission *= track.density(segment.ray, lerp(t0, t1, rng.next()), rng, counters);
+            }
+            flight.emitted += beta * emission * (t1 - t0);
         }
     };
     const auto decide = [&](float t, float majorant, const auto&) {

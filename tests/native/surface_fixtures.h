@@ -29,25 +29,26 @@ inline ShadingPoint point_seen_from(Vec3f wo, bool backfacing = false) {
 
 /// A program without code: one register an input, plus one of ones for the weights.
 class ConstantProgram {
-public:
+  public:
     ConstantProgram() { program.registers = {Vec3f(1)}; }
 
     /// Adds a closure with these input values; inputs beyond them read 0, normals are not connected.
-    ConstantProgram& add(ClosureKind kind, std::initializer_list<Vec3f> values, Distribution mode = Distribution::ggx,
-                         float weight = 1) {
+    ConstantProgram& add(ClosureKind kind, std::initializer_list<Vec3f> values,
+                         Distribution mode = Distribution::ggx, float weight = 1) {
         ClosureRow row;
         row.kind = kind;
         row.mode = static_cast<std::int16_t>(mode);
         row.weight = hold(Vec3f(weight));
         std::size_t i = 0;
-        for (const Vec3f v : values) row.inputs[i++] = std::isnan(v.x) ? std::int16_t{-1} : hold(v);
+        for (const Vec3f v : values)
+            row.inputs[i++] = std::isnan(v.x) ? std::int16_t{-1} : hold(v);
         program.closures.push_back(row);
         return *this;
     }
 
     Program program;
 
-private:
+  private:
     std::int16_t hold(Vec3f v) {
         program.registers.push_back(v);
         return static_cast<std::int16_t>(program.registers.size() - 1);
@@ -72,8 +73,8 @@ struct PrincipledInputs {
         return ConstantProgram()
             .add(ClosureKind::principled,
                  {base_color, s(metallic), s(roughness), s(ior), s(alpha), kNoNormal, s(specular_ior_level),
-                  specular_tint, s(transmission), s(coat), s(coat_roughness), s(coat_ior), coat_tint, kNoNormal,
-                  s(sheen), s(sheen_roughness), sheen_tint, emission_color, s(emission_strength)},
+                  specular_tint, s(transmission), s(coat), s(coat_roughness), s(coat_ior), coat_tint,
+                  kNoNormal, s(sheen), s(sheen_roughness), sheen_tint, emission_color, s(emission_strength)},
                  mode)
             .program;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mixtures: what shading programs become at a point. Sampling against density with specular and straight-through lobes
-// among them, energy, limits of the Principled BSDF, shading normals, emission, transparency, traits.
+// Mixtures: what shading programs become at a point. Sampling against density with specular and
+// straight-through lobes among them, energy, limits of the Principled BSDF, shading normals, emission,
+// transparency, traits.
 #include "surfaces/bsdf.h"
 
 #include <gtest/gtest.h>
@@ -29,35 +30,48 @@ struct NamedProgram {
     Program program;
 };
 
-Vec3f s(float v) { return Vec3f(v); }
+Vec3f s(float v) {
+    return Vec3f(v);
+}
 
 std::vector<NamedProgram> mixtures() {
     const Vec3f color(0.9f, 0.5f, 0.2f);
     return {
         {"default principled", PrincipledInputs{}.program()},
         {"metal", PrincipledInputs{.base_color = color, .metallic = 1, .roughness = 0.4f}.program()},
-        {"half metal, coat, sheen",
-         PrincipledInputs{.base_color = color, .metallic = 0.5f, .roughness = 0.6f, .coat = 1, .coat_roughness = 0.3f, .sheen = 1}
-             .program()},
-        {"half glass", PrincipledInputs{.base_color = color, .roughness = 0.5f, .transmission = 0.5f}.program()},
+        {"half metal, coat, sheen", PrincipledInputs{.base_color = color,
+                                                     .metallic = 0.5f,
+                                                     .roughness = 0.6f,
+                                                     .coat = 1,
+                                                     .coat_roughness = 0.3f,
+                                                     .sheen = 1}
+                                        .program()},
+        {"half glass",
+         PrincipledInputs{.base_color = color, .roughness = 0.5f, .transmission = 0.5f}.program()},
         {"alpha and a smooth coat",
          PrincipledInputs{.base_color = color, .alpha = 0.6f, .coat = 1, .coat_roughness = 0}.program()},
         {"diffuse and mirror",
-         ConstantProgram().add(ClosureKind::diffuse, {color, s(0), kNoNormal}, Distribution::ggx, 0.5f)
-             .add(ClosureKind::glossy, {s(0.8f), s(0), kNoNormal}, Distribution::ggx, 0.5f).program},
+         ConstantProgram()
+             .add(ClosureKind::diffuse, {color, s(0), kNoNormal}, Distribution::ggx, 0.5f)
+             .add(ClosureKind::glossy, {s(0.8f), s(0), kNoNormal}, Distribution::ggx, 0.5f)
+             .program},
         {"diffuse, translucent, transparent",
-         ConstantProgram().add(ClosureKind::diffuse, {color, s(0.7f), kNoNormal}, Distribution::ggx, 0.4f)
+         ConstantProgram()
+             .add(ClosureKind::diffuse, {color, s(0.7f), kNoNormal}, Distribution::ggx, 0.4f)
              .add(ClosureKind::translucent, {color, kNoNormal}, Distribution::ggx, 0.3f)
-             .add(ClosureKind::transparent, {color}, Distribution::ggx, 0.3f).program},
+             .add(ClosureKind::transparent, {color}, Distribution::ggx, 0.3f)
+             .program},
         {"rough glass and glossy",
-         ConstantProgram().add(ClosureKind::glass, {color, s(0.5f), s(1.45f), kNoNormal}, Distribution::multi_ggx, 0.5f)
+         ConstantProgram()
+             .add(ClosureKind::glass, {color, s(0.5f), s(1.45f), kNoNormal}, Distribution::multi_ggx, 0.5f)
              .add(ClosureKind::glossy, {color, s(0.4f), kNoNormal}, Distribution::beckmann, 0.3f)
-             .add(ClosureKind::refraction, {color, s(0.6f), s(1.2f), kNoNormal}, Distribution::ggx, 0.2f).program},
+             .add(ClosureKind::refraction, {color, s(0.6f), s(1.2f), kNoNormal}, Distribution::ggx, 0.2f)
+             .program},
     };
 }
 
-// False alarms: 1 % for the whole family (see chi_square.h). Specular and straight-through draws count as no direction,
-// so that the density must hold their probability.
+// False alarms: 1 % for the whole family (see chi_square.h). Specular and straight-through draws count as no
+// direction, so that the density must hold their probability.
 TEST(Bsdf, SmoothSamplesFollowTheMixtureDensity) {
     const auto programs = mixtures();
     const double least = testing::significance(static_cast<int>(2 * programs.size() * kAngles.size()));
@@ -80,7 +94,8 @@ TEST(Bsdf, SmoothSamplesFollowTheMixtureDensity) {
                         return static_cast<double>(pdf);
                     },
                     40000, 1);
-                EXPECT_GT(result.p_value, least) << p.name << (backfacing ? " (back)" : "") << " at " << angle;
+                EXPECT_GT(result.p_value, least)
+                    << p.name << (backfacing ? " (back)" : "") << " at " << angle;
                 EXPECT_LE(result.integral, 1.002) << p.name << " at " << angle;
             }
         }
@@ -96,14 +111,17 @@ TEST(Bsdf, WeightIsEvalOverDensity) {
             for (int i = 0; i < 300; ++i) {
                 const float lobe_u = rng.next();
                 const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
-                if (!drawn) continue;
+                if (!drawn)
+                    continue;
                 ASSERT_TRUE(is_finite(drawn->weight)) << p.name;
                 ASSERT_GE(min_component(drawn->weight), 0) << p.name;
-                if (drawn->specular) continue;
+                if (drawn->specular)
+                    continue;
                 float pdf;
                 const Rgb f = bsdf.eval(point.wo, drawn->wi, pdf);
                 EXPECT_NEAR(drawn->pdf / pdf, 1, 2e-3) << p.name;
-                for (int c = 0; c < 3; ++c) EXPECT_NEAR(drawn->weight[c], f[c] / pdf, 2e-3 * (1 + drawn->weight[c])) << p.name;
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_NEAR(drawn->weight[c], f[c] / pdf, 2e-3 * (1 + drawn->weight[c])) << p.name;
             }
         }
     }
@@ -117,7 +135,8 @@ Rgb furnace(const Program& program, const ShadingPoint& point, int draws = 40000
     for (int i = 0; i < draws; ++i) {
         const float lobe_u = rng.next();
         const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
-        for (int c = 0; drawn && c < 3; ++c) sum[c] += static_cast<double>(drawn->weight[c]) / draws;
+        for (int c = 0; drawn && c < 3; ++c)
+            sum[c] += static_cast<double>(drawn->weight[c]) / draws;
     }
     return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
 }
@@ -130,12 +149,21 @@ TEST(Bsdf, NoPrincipledSurfaceGainsEnergy) {
                      {.base_color = s(1), .roughness = roughness},
                      {.base_color = s(1), .metallic = 1, .roughness = roughness},
                      {.base_color = s(1), .roughness = roughness, .transmission = 1},
-                     {.base_color = s(1), .metallic = 0.3f, .roughness = roughness, .transmission = 0.5f, .coat = 1, .sheen = 1},
-                     {.base_color = s(1), .roughness = roughness, .alpha = 0.5f, .coat = 0.5f, .coat_roughness = 0.5f}}) {
+                     {.base_color = s(1),
+                     .metallic = 0.3f,
+                     .roughness = roughness,
+                     .transmission = 0.5f,
+                     .coat = 1,
+                     .sheen = 1},
+                     {.base_color = s(1),
+                     .roughness = roughness,
+                     .alpha = 0.5f,
+                     .coat = 0.5f,
+                     .coat_roughness = 0.5f}}) {
                 // The standard error is below 0.5 %; the layers' albedos are tabulated to about 1 %.
                 EXPECT_LE(max_component(furnace(p.program(), point)), 1.02f)
-                    << "roughness " << roughness << ", metallic " << p.metallic << ", transmission " << p.transmission
-                    << ", coat " << p.coat << " at " << angle;
+                    << "roughness " << roughness << ", metallic " << p.metallic << ", transmission "
+                    << p.transmission << ", coat " << p.coat << " at " << angle;
             }
         }
     }
@@ -145,14 +173,15 @@ TEST(Bsdf, WhitePrincipledReturnsNearlyAllLight) {
     for (const float roughness : {0.1f, 0.5f, 1.0f}) {
         for (const double angle : kAngles) {
             const ShadingPoint point = point_seen_from(at_angle(angle));
-            const Rgb white = furnace(PrincipledInputs{.base_color = s(1), .roughness = roughness}.program(), point);
+            const Rgb white =
+                furnace(PrincipledInputs{.base_color = s(1), .roughness = roughness}.program(), point);
             EXPECT_NEAR(white.x, 1, 0.02f) << roughness << " at " << angle;
         }
     }
 }
 
-/// Directional albedos of Cycles 5.0 (Blender's bpy 5.0.1): one plane under a sky of radiance 1, orthographic camera at
-/// the angle, 65536 samples, mean of the picture. Lower: the light that comes through from below.
+/// Directional albedos of Cycles 5.0 (Blender's bpy 5.0.1): one plane under a sky of radiance 1, orthographic
+/// camera at the angle, 65536 samples, mean of the picture. Lower: the light that comes through from below.
 struct CyclesAlbedo {
     std::string name;
     Program program;
@@ -183,11 +212,14 @@ TEST(Bsdf, AlbedosAgreeWithCycles) {
         for (int i = 0; i < kDraws; ++i) {
             const float lobe_u = rng.next();
             const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
-            if (drawn) (drawn->wi.z > 0 ? upper : lower) += drawn->weight * (1.0f / kDraws);
+            if (drawn)
+                (drawn->wi.z > 0 ? upper : lower) += drawn->weight * (1.0f / kDraws);
         }
         for (int c = 0; c < 3; ++c) {
-            EXPECT_NEAR(upper[c], row.upper[c], 0.012f) << row.name << " at " << row.angle << ", channel " << c;
-            EXPECT_NEAR(lower[c], row.lower[c], 0.012f) << row.name << " at " << row.angle << ", channel " << c;
+            EXPECT_NEAR(upper[c], row.upper[c], 0.012f)
+                << row.name << " at " << row.angle << ", channel " << c;
+            EXPECT_NEAR(lower[c], row.lower[c], 0.012f)
+                << row.name << " at " << row.angle << ", channel " << c;
         }
     }
 }
@@ -223,7 +255,8 @@ TEST(Bsdf, PrincipledLimits) {
     EXPECT_EQ(through->weight, Rgb(1));
 
     const Program glass = PrincipledInputs{.base_color = s(1), .roughness = 0, .transmission = 1}.program();
-    const Program closure = ConstantProgram().add(ClosureKind::glass, {s(1), s(0), s(1.5f), kNoNormal}).program;
+    const Program closure =
+        ConstantProgram().add(ClosureKind::glass, {s(1), s(0), s(1.5f), kNoNormal}).program;
     const Bsdf a = make_bsdf(&glass, point, kNoTextures), b = make_bsdf(&closure, point, kNoTextures);
     for (const float u : {0.01f, 0.5f}) {
         const auto x = a.sample(point.wo, u, {0.5f, 0.5f}), y = b.sample(point.wo, u, {0.5f, 0.5f});
@@ -239,11 +272,13 @@ TEST(Bsdf, ShadingNormalsLeakNoLight) {
         for (int i = 0; i < 2000; ++i) {
             ShadingPoint point = point_seen_from(sample_cosine_hemisphere(rng.next2()));
             point.ns = sample_cosine_hemisphere(rng.next2());
-            if (point.wo.z < 1e-3f) continue;
+            if (point.wo.z < 1e-3f)
+                continue;
             const Bsdf bsdf = make_bsdf(&p.program, point, kNoTextures);
             const float lobe_u = rng.next();
             const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
-            if (!drawn || drawn->kind == 0) continue;
+            if (!drawn || drawn->kind == 0)
+                continue;
             ASSERT_TRUE(is_finite(drawn->weight)) << p.name;
             const bool crosses = drawn->wi.z * point.wo.z < 0;
             EXPECT_EQ(crosses, drawn->kind == kTransmissionRay) << p.name;
@@ -256,7 +291,8 @@ TEST(Bsdf, BentNormalsMirrorAboveTheSurface) {
     const Vec3f ng(0, 0, 1);
     for (int i = 0; i < 5000; ++i) {
         const Vec3f wo = sample_cosine_hemisphere(rng.next2()), n = sample_sphere(rng.next2());
-        if (wo.z < 1e-3f) continue;
+        if (wo.z < 1e-3f)
+            continue;
         const Vec3f bent = bent_normal(n, ng, wo), mirror = 2 * dot(wo, bent) * bent - wo;
         EXPECT_NEAR(length(bent), 1, 1e-4);
         EXPECT_GT(mirror.z, 0);
@@ -278,20 +314,31 @@ TEST(Bsdf, DefaultIsGreyDiffuse) {
 
 TEST(Bsdf, EmissionAndTransparencyNeedNoLobes) {
     const ShadingPoint point = point_seen_from(at_angle(40));
-    for (const PrincipledInputs& p : std::initializer_list<PrincipledInputs>{
-             {.emission_color = {1, 0.5f, 0.25f}, .emission_strength = 4},
-             {.alpha = 0.25f, .coat = 1, .coat_tint = {0.9f, 0.5f, 0.2f}, .sheen = 0.5f, .emission_strength = 3}}) {
+    for (const PrincipledInputs& p :
+         std::initializer_list<PrincipledInputs>{{.emission_color = {1, 0.5f, 0.25f}, .emission_strength = 4},
+                                                 {.alpha = 0.25f,
+                                                 .coat = 1,
+                                                 .coat_tint = {0.9f, 0.5f, 0.2f},
+                                                 .sheen = 0.5f,
+                                                 .emission_strength = 3}}) {
         const Program program = p.program();
         const Bsdf bsdf = make_bsdf(&program, point, kNoTextures);
         const Rgb emission = evaluate_emission(program, point, kNoTextures);
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(emission[c], bsdf.emission[c], 1e-5f);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(emission[c], bsdf.emission[c], 1e-5f);
         EXPECT_EQ(evaluate_transparency(program, point, kNoTextures), bsdf.transparency);
     }
-    const Program bare = PrincipledInputs{.emission_color = {1, 0.5f, 0.25f}, .emission_strength = 4}.program();
+    const Program bare =
+        PrincipledInputs{.emission_color = {1, 0.5f, 0.25f}, .emission_strength = 4}.program();
     EXPECT_EQ(evaluate_emission(bare, point, kNoTextures), Rgb(4, 2, 1));
     // Cycles: 84.29, 43.30, 15.35 of 100 leave through a tinted coat of roughness 0.1 at 45 degrees.
-    const Program coated = PrincipledInputs{.base_color = s(0), .roughness = 0.1f, .specular_ior_level = 0, .coat = 1,
-                                            .coat_roughness = 0.1f, .coat_tint = {0.9f, 0.5f, 0.2f}, .emission_strength = 100}
+    const Program coated = PrincipledInputs{.base_color = s(0),
+                                            .roughness = 0.1f,
+                                            .specular_ior_level = 0,
+                                            .coat = 1,
+                                            .coat_roughness = 0.1f,
+                                            .coat_tint = {0.9f, 0.5f, 0.2f},
+                                            .emission_strength = 100}
                                .program();
     const Rgb seen = evaluate_emission(coated, point_seen_from(at_angle(45)), kNoTextures);
     EXPECT_NEAR(seen.x, 84.29f, 0.5f);
@@ -303,7 +350,8 @@ TEST(Bsdf, InfinitiesAndNanFromNodesAreNotPassedOn) {
     const ShadingPoint point = point_seen_from(at_angle(40));
     const Program program = ConstantProgram()
                                 .add(ClosureKind::diffuse, {{INFINITY, -1, 0.5f}, s(0), kNoNormal})
-                                .add(ClosureKind::emission, {{1, INFINITY, 1}, s(2)}).program;
+                                .add(ClosureKind::emission, {{1, INFINITY, 1}, s(2)})
+                                .program;
     const Bsdf bsdf = make_bsdf(&program, point, kNoTextures);
     EXPECT_EQ(bsdf.emission, Rgb(2, 0, 2));
     EXPECT_EQ(bsdf.albedo(point.wo), Rgb(0, 0, 0.5f));
@@ -314,11 +362,13 @@ TEST(Traits, SayWhatAProgramCanDo) {
     EXPECT_TRUE(plain.constant && plain.has_surface_lobes && !plain.emissive && !plain.may_transmit_straight);
     EXPECT_EQ(plain.constant_emission, Rgb(0));
 
-    const ProgramTraits lamp = traits_of(ConstantProgram().add(ClosureKind::emission, {{1, 2, 3}, s(2)}).program);
+    const ProgramTraits lamp =
+        traits_of(ConstantProgram().add(ClosureKind::emission, {{1, 2, 3}, s(2)}).program);
     EXPECT_TRUE(lamp.emissive && !lamp.has_surface_lobes);
     EXPECT_EQ(lamp.constant_emission, Rgb(2, 4, 6));
 
-    const ProgramTraits coated = traits_of(PrincipledInputs{.alpha = 0.5f, .coat = 1, .emission_strength = 2}.program());
+    const ProgramTraits coated =
+        traits_of(PrincipledInputs{.alpha = 0.5f, .coat = 1, .emission_strength = 2}.program());
     EXPECT_TRUE(coated.emissive && coated.may_transmit_straight && !coated.constant_emission);
 
     Program driven = ConstantProgram().add(ClosureKind::transparent, {s(0)}).program;

@@ -220,6 +220,33 @@ TEST(LampConsistency, HitsWhatItSamples) {
     EXPECT_LT(missed, compared / 1000);
 }
 
+TEST(LampConsistency, SamplesLieOnTheLamp) {
+    Rng rng(24);
+    const Vec3f center(0, 0, 2);
+    for (int i = 0; i < 4000; ++i) {
+        const Vec3f p(3 * rng.next() - 1.5f, 3 * rng.next() - 1.5f, 4 * rng.next() - 1);
+        const auto reached = [&](const Lamp& lamp) {
+            const auto s = lamp.sample(p, rng.next2());
+            return s ? std::optional(p + s->wi * s->distance) : std::nullopt;
+        };
+        for (const float radius : {0.2f, 1.5f}) {
+            const auto on_sphere = reached(sphere_lamp(radius));
+            ASSERT_TRUE(on_sphere);
+            EXPECT_NEAR(length(*on_sphere - center), radius, 1e-3f * radius);
+            const auto on_disc = reached(hanging(Kind::point, ball(radius, true)));
+            ASSERT_TRUE(on_disc);
+            EXPECT_NEAR(dot(*on_disc - center, normalize(center - p)), 0, 1e-5f);
+            EXPECT_LE(length(*on_disc - center), radius * (1 + 1e-5f));
+        }
+        const auto on_area = reached(area_lamp(1, 2, true));
+        EXPECT_TRUE(p.z < 2 || !on_area);  // near ellipses may draw nothing, too
+        if (!on_area)
+            continue;
+        EXPECT_NEAR(on_area->z, 2, 1e-5f);
+        EXPECT_LE(sqr(on_area->x / 0.5f) + sqr(on_area->y), 1 + 1e-5f);
+    }
+}
+
 TEST(LampConsistency, RaysElsewhereMiss) {
     Rng rng(22);
     for (const Lamp& lamp : all_sorts()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every lobe by itself: sampling against density, weight against eval, reciprocity, energy. Local frames, normal +z.
+// Every lobe by itself: sampling against density, weight against eval, reciprocity, energy. Local frames,
+// normal +z.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -21,7 +22,9 @@ struct NamedLobe {
     bool reciprocal;
 };
 
-Microfacet facets(float roughness, bool beckmann = false) { return {roughness * roughness, beckmann}; }
+Microfacet facets(float roughness, bool beckmann = false) {
+    return {roughness * roughness, beckmann};
+}
 
 std::vector<NamedLobe> smooth_lobes() {
     std::vector<NamedLobe> lobes = {
@@ -36,11 +39,16 @@ std::vector<NamedLobe> smooth_lobes() {
         for (const bool beckmann : {false, true}) {
             const std::string name = (beckmann ? "beckmann " : "ggx ") + std::to_string(roughness);
             const Microfacet m = facets(roughness, beckmann);
-            lobes.push_back({"reflection " + name, Reflection{m, Fresnel::metal({0.9f, 0.5f, 0.2f}, Rgb(1)), Rgb(1)}, true});
-            lobes.push_back({"into glass " + name, Dielectric{m, Fresnel::dielectric(1.5f), 1.5f, Rgb(1), Rgb(1), Rgb(1)}, false});
-            lobes.push_back({"out of glass " + name,
-                             Dielectric{m, Fresnel::dielectric(1 / 1.5f), 1 / 1.5f, Rgb(1), {0.9f, 0.5f, 0.2f}, Rgb(1)}, false});
-            lobes.push_back({"refraction " + name, Dielectric{m, Fresnel::constant(Rgb(0)), 1.33f, Rgb(1), Rgb(1), Rgb(1)}, false});
+            lobes.push_back({"reflection " + name,
+                             Reflection{m, Fresnel::metal({0.9f, 0.5f, 0.2f}, Rgb(1)), Rgb(1)}, true});
+            lobes.push_back({"into glass " + name,
+                             Dielectric{m, Fresnel::dielectric(1.5f), 1.5f, Rgb(1), Rgb(1), Rgb(1)}, false});
+            lobes.push_back(
+                {"out of glass " + name,
+                 Dielectric{m, Fresnel::dielectric(1 / 1.5f), 1 / 1.5f, Rgb(1), {0.9f, 0.5f, 0.2f}, Rgb(1)},
+                 false});
+            lobes.push_back({"refraction " + name,
+                             Dielectric{m, Fresnel::constant(Rgb(0)), 1.33f, Rgb(1), Rgb(1), Rgb(1)}, false});
         }
     }
     return lobes;
@@ -71,8 +79,9 @@ TEST(Lobes, SamplesFollowTheirDensity) {
                     return drawn ? std::optional(drawn->wi) : std::nullopt;
                 },
                 [&](Vec3f wi) { return static_cast<double>(eval(lobe.model, wo, wi).pdf); }, 40000, ++seed);
-            EXPECT_GT(result.p_value, least) << lobe.name << " at " << angle << " degrees; chi-square " << result.statistic
-                                             << " of " << result.degrees << " degrees of freedom";
+            EXPECT_GT(result.p_value, least)
+                << lobe.name << " at " << angle << " degrees; chi-square " << result.statistic << " of "
+                << result.degrees << " degrees of freedom";
             EXPECT_LE(result.integral, 1.002) << lobe.name << " at " << angle << " degrees";
         }
     }
@@ -105,13 +114,15 @@ TEST(Lobes, WeightIsEvalOverDensity) {
             const Vec3f wo = at_angle(angle, 100);
             for (int i = 0; i < 200; ++i) {
                 const auto drawn = sample(lobe.model, wo, rng);
-                if (!drawn) continue;
+                if (!drawn)
+                    continue;
                 const LobeValue value = eval(lobe.model, wo, drawn->wi);
                 ASSERT_GT(drawn->pdf, 0) << lobe.name;
                 ASSERT_TRUE(is_finite(drawn->weight)) << lobe.name;
                 ASSERT_NEAR(length(drawn->wi), 1, 1e-5) << lobe.name;
                 for (int c = 0; c < 3; ++c) {
-                    EXPECT_NEAR(drawn->weight[c], value.f[c] / value.pdf, 2e-3 * (1 + drawn->weight[c])) << lobe.name;
+                    EXPECT_NEAR(drawn->weight[c], value.f[c] / value.pdf, 2e-3 * (1 + drawn->weight[c]))
+                        << lobe.name;
                 }
                 EXPECT_NEAR(drawn->pdf / value.pdf, 1, 5e-3) << lobe.name << " at " << angle;
             }
@@ -122,17 +133,21 @@ TEST(Lobes, WeightIsEvalOverDensity) {
 TEST(Lobes, ReflectionIsReciprocal) {
     Rng rng(3);
     for (const NamedLobe& lobe : smooth_lobes()) {
-        if (!lobe.reciprocal) continue;
+        if (!lobe.reciprocal)
+            continue;
         for (int i = 0; i < 500; ++i) {
             const Vec3f a = sample_cosine_hemisphere(rng.next2()), b = sample_cosine_hemisphere(rng.next2());
-            if (a.z < 0.02f || b.z < 0.02f) continue;
+            if (a.z < 0.02f || b.z < 0.02f)
+                continue;
             const Rgb forward = eval(lobe.model, a, b).f / b.z, backward = eval(lobe.model, b, a).f / a.z;
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(forward[c], backward[c], 1e-3f * (1 + forward[c])) << lobe.name;
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(forward[c], backward[c], 1e-3f * (1 + forward[c])) << lobe.name;
         }
     }
 }
 
-// Refraction obeys f(a, b) / eta_b^2 = f(b, a) / eta_a^2 (Walter et al. 2007): swapping the directions swaps the sides.
+// Refraction obeys f(a, b) / eta_b^2 = f(b, a) / eta_a^2 (Walter et al. 2007): swapping the directions swaps
+// the sides.
 TEST(Lobes, RefractionIsReciprocalUpToTheSquaredIndex) {
     const float eta = 1.5f;
     const Microfacet m = facets(0.5f);
@@ -143,9 +158,11 @@ TEST(Lobes, RefractionIsReciprocalUpToTheSquaredIndex) {
     for (int i = 0; i < 1000; ++i) {
         const Vec3f wo = sample_cosine_hemisphere(rng.next2());
         const auto drawn = into.sample(wo, 0.9f, rng.next2());
-        if (!drawn || drawn->wi.z > -0.05f || wo.z < 0.05f) continue;
+        if (!drawn || drawn->wi.z > -0.05f || wo.z < 0.05f)
+            continue;
         const float forward = into.eval(wo, drawn->wi).f.x / -drawn->wi.z;
-        const float backward = out.eval(-drawn->wi, -wo).f.x / wo.z;  // seen from the other side, its normal turned
+        const float backward =
+            out.eval(-drawn->wi, -wo).f.x / wo.z;  // seen from the other side, its normal turned
         EXPECT_NEAR(forward / backward, eta * eta, 2e-3f * eta * eta);
         ++compared;
     }
@@ -159,7 +176,8 @@ Rgb measured_albedo(const LobeModel& model, Vec3f wo) {
     constexpr int kDraws = 100000;
     for (int i = 0; i < kDraws; ++i) {
         const auto drawn = sample(model, wo, rng);
-        for (int c = 0; drawn && c < 3; ++c) sum[c] += static_cast<double>(drawn->weight[c]) / kDraws;
+        for (int c = 0; drawn && c < 3; ++c)
+            sum[c] += static_cast<double>(drawn->weight[c]) / kDraws;
     }
     return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
 }
@@ -167,8 +185,8 @@ Rgb measured_albedo(const LobeModel& model, Vec3f wo) {
 TEST(Lobes, AlbedoIsWhatSamplingMeasuresAndNeverAboveOne) {
     for (const NamedLobe& lobe : smooth_lobes()) {
         // An estimate only: the tables are GGX's, and a metal's curve has no table at all.
-        const bool estimated = lobe.name.find("beckmann") != std::string::npos || lobe.name.find("reflection") == 0 ||
-                               lobe.name.find("refraction") == 0;
+        const bool estimated = lobe.name.find("beckmann") != std::string::npos ||
+                               lobe.name.find("reflection") == 0 || lobe.name.find("refraction") == 0;
         for (const double angle : kAngles) {
             const Vec3f wo = at_angle(angle);
             const Rgb measured = measured_albedo(lobe.model, wo);
@@ -183,14 +201,16 @@ TEST(Lobes, WhiteRoughDiffuseAndCompensatedReflectionLoseNothing) {
     for (const double angle : kAngles) {
         const Vec3f wo = at_angle(angle);
         for (const float roughness : {0.1f, 0.5f, 1.0f}) {
-            EXPECT_NEAR(measured_albedo(RoughDiffuse{Rgb(1), roughness}, wo).x, 1, 0.01f) << roughness << " at " << angle;
+            EXPECT_NEAR(measured_albedo(RoughDiffuse{Rgb(1), roughness}, wo).x, 1, 0.01f)
+                << roughness << " at " << angle;
             const Reflection mirror =
                 make_reflection(Distribution::multi_ggx, roughness, Fresnel::constant(Rgb(1)), wo.z);
             EXPECT_NEAR(measured_albedo(mirror, wo).x, 1, 0.01f) << roughness << " at " << angle;
             for (const float eta : {1.5f, 1 / 1.5f, 1.1f, 2.4f}) {
-                const Dielectric glass =
-                    make_dielectric(Distribution::multi_ggx, roughness, eta, Fresnel::dielectric(eta), Rgb(1), Rgb(1), wo.z);
-                EXPECT_NEAR(measured_albedo(glass, wo).x, 1, 0.025f) << "eta " << eta << ", " << roughness << " at " << angle;
+                const Dielectric glass = make_dielectric(Distribution::multi_ggx, roughness, eta,
+                                                         Fresnel::dielectric(eta), Rgb(1), Rgb(1), wo.z);
+                EXPECT_NEAR(measured_albedo(glass, wo).x, 1, 0.025f)
+                    << "eta " << eta << ", " << roughness << " at " << angle;
             }
         }
     }
@@ -220,7 +240,8 @@ TEST(Lobes, SmoothGlassObeysSnellAndFresnel) {
     EXPECT_NEAR(std::hypot(through->wi.x, through->wi.y), std::sin(40 * M_PI / 180) / 1.5, 1e-5);
     EXPECT_EQ(through->kind, kTransmissionRay);
     EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04, 1e-6);
-    EXPECT_NEAR(fresnel_dielectric(std::cos(std::atan(1.5f)), 1.5f), 0.5 * sqr((2.25f - 1) / (2.25f + 1)), 1e-5);  // Brewster
+    EXPECT_NEAR(fresnel_dielectric(std::cos(std::atan(1.5f)), 1.5f), 0.5 * sqr((2.25f - 1) / (2.25f + 1)),
+                1e-5);                                 // Brewster
     EXPECT_EQ(fresnel_dielectric(0.5f, 1 / 1.5f), 1);  // beyond the critical angle of 41.8 degrees
     EXPECT_EQ(fresnel_dielectric(0, 1), 1);            // grazing, no interface: no NaN
 }
@@ -236,7 +257,8 @@ TEST(Lobes, NearlySmoothAgreesWithSmooth) {
             const auto drawn = glass.sample(wo, rng.next(), rng.next2());
             ASSERT_TRUE(drawn);
             EXPECT_NEAR(drawn->weight.x, 1, 2e-3);
-            const Vec3f mirror(-wo.x, -wo.y, wo.z), refracted(-wo.x / 1.5f, -wo.y / 1.5f, -std::sqrt(1 - (1 - wo.z * wo.z) / 2.25f));
+            const Vec3f mirror(-wo.x, -wo.y, wo.z),
+                refracted(-wo.x / 1.5f, -wo.y / 1.5f, -std::sqrt(1 - (1 - wo.z * wo.z) / 2.25f));
             EXPECT_LT(length(drawn->wi - (drawn->wi.z > 0 ? mirror : refracted)), 0.02f);
         }
     }
@@ -252,8 +274,9 @@ TEST(Fresnel, MetalHasItsColoursAtNormalAndEdgeAngles) {
 }
 
 TEST(Fresnel, MeansAreTheIntegrals) {
-    for (const Fresnel& curve : {Fresnel::metal({0.9f, 0.5f, 0.2f}, {0.4f, 0.7f, 1}), Fresnel::dielectric(1.5f),
-                                 Fresnel::dielectric(2.5f), Fresnel::dielectric(1 / 1.5f)}) {
+    for (const Fresnel& curve :
+         {Fresnel::metal({0.9f, 0.5f, 0.2f}, {0.4f, 0.7f, 1}), Fresnel::dielectric(1.5f),
+          Fresnel::dielectric(2.5f), Fresnel::dielectric(1 / 1.5f)}) {
         double sum = 0;
         constexpr int kSteps = 2000;
         for (int i = 0; i < kSteps; ++i) {

@@ -65,6 +65,17 @@ TEST(PixelFilter, IsNormalisedAndSymmetric) {
     }
 }
 
+TEST(PixelFilter, PeaksAreTheWindowsOwn) {
+    // A Blackman-Harris window is 1 in its middle and integrates to 0.35875 of its full width 2 w; half way
+    // to its end it is 0.35875 - 0.14128. The Gaussian exp(-8 (x/w)^2) integrates to w sqrt(pi / 8), its
+    // tails beyond 1.5 w being 2e-9.
+    EXPECT_NEAR(PixelFilter(Kind::blackman_harris, 3).density(0), 1 / (0.35875 * 6), 1e-5);
+    EXPECT_NEAR(PixelFilter(Kind::blackman_harris, 3).density(1.5f), (0.35875 - 0.14128) / (0.35875 * 6),
+                1e-5);
+    EXPECT_NEAR(PixelFilter(Kind::gaussian, 3).density(0), 1 / (3 * std::sqrt(3.14159265358979 / 8)), 1e-5);
+    EXPECT_EQ(PixelFilter(Kind::box, 3).density(0.4f), 1);
+}
+
 TEST(PixelFilter, EndsStayWithinReach) {
     for (const auto& [kind, width] : kShapes) {
         const PixelFilter filter(kind, width);

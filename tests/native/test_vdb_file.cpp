@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reading of OpenVDB files: files are written with OpenVDB itself, read back, and damaged in every way we know.
+#include "media/vdb_file.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "math/sampler.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
+
+namespace nephele {
+namespace {
+
+namespace fs = std::filesystem;
+using openvdb::Coord;
+
+constexpr std::uint32_t kPlain = openvdb::io::COMPRESS_NONE, kMasked = openvdb::io::COMPRESS_ACTIVE_MASK,
+                        kZip = openvdb::io::COMPRESS_ZIP | kMasked, kBlosc = openvdb::io::COMPRESS_BLOSC | kMasked;
+
+class VdbFile : public testing::Test {
+protected:
+    void SetUp() override {
+        openvdb::initialize();
+        folder_ = fs::temp_directory_path() / ("nephele_vdb_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        path_ = (folder_ / "grids.vdb").string();
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    void write(const openvdb::GridCPtrVec& grids, std::uint32_t compression = kBlosc) {
+        openvdb::io::File file(path_);
+        file.setCompression(compression);
+        file.write(grids);
+    }
+    /// The message of the std::runtime_error that f throws, or an empty string.
+    template <typename F>
+    static std::string error_of(const F& f) {
+        try {
+            f();
+        } catch (const std::runtime_error& e) {
+            return e.what();
+        }
+        return {};
+    }
+    std::string load_error(const std::string& name) {
+        return error_of([&] { load_grid(path_, name); });
+    }
+
+    fs::path folder_;
+    std::string path_;
+};
+
+/// Random values in clumps, tiles of each size, at negative and positive indices.
+template <typename Grid>
+typename Grid::Ptr random_grid(std::uint64_t seed, typename Grid::ValueType background, const std::string& name = "density") {
+    using Value = typename Grid::ValueType;
+    auto grid = Grid::create(background);
+    grid->setName(name);
+    Rng rng(seed);
+    const auto pick = [&](int n) { return static_cast<int>(rng.next() * static_cast<float>(n)); };
+    auto accessor = grid->getAccessor();
+    for (int clump = 0; clump < 20; ++clump) {
+        const Coord centre(pick(500) - 250, pick(500) - 250, pick(500) - 250);
+        for (int n = 0; n < 400; ++n) {
+            const Coord at = centre + Coord(pick(12), pick(12), pick(12));
+            const auto value = static_cast<Value>(rng.next() * 50);
+            n % 10 == 0 ? accessor.setValueOff(at, value) : accessor.setValue(at, value);
+        }
+    }
+    grid->tree().addTile(1, Coord(-300, 8, 16), static_cast<Value>(3), true);
+    grid->tree().addTile(2, Coord(256, -128, 0), static_cast<Value>(1), true);
+    grid->tree().addTile(1, Coord(400, 8, 16), static_cast<Value>(2), false);  // inactive tiles have values, too
+    return grid;
+}
+
+template <typename Grid>
+void expect_equal(const Grid& source, const BrickGrid& loaded) {
+    auto accessor = source.getConstAccessor();
+    for (int i = -320; i < 420; i += 1) {
+        for (int j = -270; j < 280; j += 3) {
+            for (int k = -270 + (i + j) % 3; k < 280; k += 3) {
+                ASSERT_EQ(loaded.lookup(i, j, k), static_cast<float>(accessor.getValue(Coord(i, j, k)))) << i << ' ' << j << ' ' << k;
+            }
+        }
+    }
+    EXPECT_EQ(loaded.active_voxels(), static_cast<std::int64_t>(source.activeVoxelCount()));
+    const auto box = source.evalActiveVoxelBoundingBox();
+    EXPECT_EQ(loaded.active_bounds(), (IndexBox{{box.min()[0], box.min()[1], box.min()[2]}, {box.max()[0], box.max()[1], box.max()[2]}}));
+}
+
+template <typename Grid>
+class VdbFileOf : public VdbFile {};
+using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid, openvdb::BoolGrid>;
+TYPED_TEST_SUITE(VdbFileOf, ScalarGrids);
+
+TYPED_TEST(VdbFileOf, GivesEveryValueBackUnderEveryCompression) {
+    for (const std::uint32_t compression : {kPlain, kMasked, kZip, kBlosc}) {
+        const auto grid = random_grid<TypeParam>(compression + 1, compression % 2 ? 0 : 1);
+        this->write({grid}, compression);
+        const LoadedGrid loaded = load_grid(this->path_, "density");
+        expect_equal(*grid, *loaded.grid);
+        EXPECT_TRUE(loaded.warnings.empty());
+    }
+}
+
+TEST_F(VdbFile, HalvesStayHalves) {
+    const auto grid = random_grid<openvdb::FloatGrid>(5, 0);
+    grid->setSaveFloatAsHalf(true);
+    write({grid});
+    const LoadedGrid loaded = load_grid(path_, "density");
+    EXPECT_EQ(loaded.grid->voxel_type(), VoxelType::half_float);
+    openvdb::io::File file(path_);
+    file.open();
+    expect_equal(*openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density")), *loaded.grid);
+    EXPECT_TRUE(list_grids(path_).at(0).half);
+}
+
+TEST_F(VdbFile, MasksAreOneWhereTheyAreOn) {
+    const auto mask = openvdb::MaskGrid::create();
+    mask->setName("density");
+    mask->tree().setValueOn(Coord(1, 2, 3));
+    mask->tree().addTile(1, Coord(16, 0, 0), true, true);
+    write({mask});
+    const LoadedGrid loaded = load_grid(path_, "density");
+    EXPECT_EQ(loaded.grid->lookup(1, 2, 3), 1.0f);
+    EXPECT_EQ(loaded.grid->lookup(1, 2, 4), 0.0f);
+    EXPECT_EQ(loaded.grid->lookup(17, 7, 7), 1.0f);
+}
+
+TEST_F(VdbFile, AnyAffineTransformComesInColumnConvention) {
+    // A mirror, a shear, a rotation and unequal scales at once; OpenVDB writes it for row vectors.
+    const openvdb::Mat4d m(-2.0, 0.5, 0.0, 0.0, 0.25, 0.75, -1.0, 0.0, 0.1, 1.0, 3.0, 0.0, 10.0, -20.0, 30.0, 1.0);
+    const auto grid = random_grid<openvdb::FloatGrid>(6, 0);
+    for (const auto& transform : {openvdb::math::Transform::createLinearTransform(m), openvdb::math::Transform::createLinearTransform(0.05)}) {
+        grid->setTransform(transform);
+        write({grid});
+        const LoadedGrid loaded = load_grid(path_, "density");
+        const openvdb::Vec3d p(1.5, -2.25, 7), world = transform->indexToWorld(p);
+        for (std::size_t r = 0; r < 3; ++r) {
+            const double* w = &loaded.world_from_index[4 * r];
+            const double* i = &loaded.index_from_world[4 * r];
+            EXPECT_NEAR(w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3], world[static_cast<int>(r)], 1e-12);
+            EXPECT_NEAR(i[0] * world[0] + i[1] * world[1] + i[2] * world[2] + i[3], p[static_cast<int>(r)], 1e-9);
+        }
+        EXPECT_EQ(loaded.index_from_world[15], 1.0);
+    }
+}
+
+TEST_F(VdbFile, RefusesWhatIsNotAnAffineScalarGrid) {
+    const auto frustum = random_grid<openvdb::FloatGrid>(7, 0, "frustum");
+    frustum->setTransform(openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(100)), 0.5, 10, 0.1));
+    const auto velocity = openvdb::Vec3SGrid::create();
+    velocity->setName("velocity");
+    write({frustum, velocity});
+    EXPECT_NE(load_error("frustum").find("frustum transform"), std::string::npos);
+    const std::string error = load_error("velocity");
+    EXPECT_NE(error.find("vec3s"), std::string::npos) << error;
+    EXPECT_NE(error.find(path_ + ": grid \"velocity\""), std::string::npos) << error;
+}
+
+TEST_F(VdbFile, ErrorsNameTheFileAndTheRemedy) {
+    EXPECT_EQ(load_error("density"), path_ + " cannot be opened: check that the file exists and may be read");
+    std::ofstream(path_) << "this is a text, not a volume";
+    EXPECT_EQ(load_error("density"), path_ + " is not an OpenVDB file");
+    std::ofstream(path_, std::ios::trunc) << "x";
+    EXPECT_EQ(load_error("density"), path_ + " is not an OpenVDB file");
+    EXPECT_NE(error_of([&] { list_grids(folder_.string()); }).find("cannot be opened"), std::string::npos);
+    write({random_grid<openvdb::FloatGrid>(1, 0, "smoke"), random_grid<openvdb::FloatGrid>(2, 0, "heat")});
+    EXPECT_EQ(load_error("density"), path_ + " has no grid \"density\"; its grids: smoke, heat");
+}
+
+TEST_F(VdbFile, EmptyGridsAreEmpty) {
+    write({openvdb::createGrid<openvdb::FloatGrid>(0.0f)});
+    const std::string name = list_grids(path_).at(0).name;
+    const LoadedGrid loaded = load_grid(path_, name);
+    EXPECT_TRUE(loaded.grid->bounds().empty());
+    EXPECT_TRUE(loaded.grid->active_bounds().empty());
+    EXPECT_EQ(loaded.grid->lookup(1, 2, 3), 0.0f);
+}
+
+TEST_F(VdbFile, RefusesHugeExtents) {
+    const auto grid = openvdb::FloatGrid::create();
+    grid->setName("density");
+    grid->tree().setValue(Coord(-8000000, -8000000, -8000000), 1);
+    grid->tree().setValue(Coord(8000000, 8000000, 8000000), 1);
+    write({grid});
+    EXPECT_NE(load_error("density").find("2^24 blocks"), std::string::npos) << load_error("density");
+    grid->tree().setValue(Coord(2147483647, 0, 0), 1);
+    write({grid});
+    EXPECT_NE(load_error("density").find("origin of index space"), std::string::npos) << load_error("density");
+}
+
+TEST_F(VdbFile, WrongValuesBecomeZeroAndAreCounted) {
+    const auto grid = openvdb::FloatGrid::create();
+    grid->setName("density");
+    grid->tree().setValue(Coord(0, 0, 0), std::numeric_limits<float>::quiet_NaN());
+    grid->tree().setValue(Coord(1, 0, 0), std::numeric_limits<float>::infinity());
+    grid->tree().setValue(Coord(2, 0, 0), -1e-3f);
+    grid->tree().setValue(Coord(3, 0, 0), 0.5f);
+    grid->tree().addTile(1, Coord(8, 0, 0), -2, true);
+    write({grid});
+    const LoadedGrid loaded = load_grid(path_, "density");
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(loaded.grid->lookup(i, 0, 0), 0.0f);
+    EXPECT_EQ(loaded.grid->lookup(3, 0, 0), 0.5f);
+    EXPECT_EQ(loaded.grid->lookup(9, 1, 1), 0.0f);
+    ASSERT_EQ(loaded.warnings.size(), 1u);
+    EXPECT_EQ(loaded.warnings[0], path_ + ": grid \"density\" has 515 voxels that are NaN, infinite or negative: they count as 0");
+}
+
+TEST_F(VdbFile, LevelSetsBecomeTheFogOfTheirInside) {
+    const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, openvdb::Vec3f(5, 0, 0), 1.0f);
+    sphere->setName("density");
+    write({sphere});
+    const LoadedGrid loaded = load_grid(path_, "density");
+    EXPECT_EQ(loaded.grid->lookup(5, 0, 0), 1.0f);
+    EXPECT_EQ(loaded.grid->lookup(5, 16, 0), 1.0f);
+    EXPECT_EQ(loaded.grid->lookup(5, 21, 0), 0.0f);
+    EXPECT_EQ(loaded.grid->lookup(100, 0, 0), 0.0f);
+    EXPECT_EQ(loaded.grid->background(), 0.0f);
+    ASSERT_EQ(loaded.warnings.size(), 1u);
+    EXPECT_NE(loaded.warnings[0].find("level set"), std::string::npos);
+}
+
+TEST_F(VdbFile, SharedTreesAndEqualNamesAreFound) {
+    const auto first = random_grid<openvdb::FloatGrid>(8, 0, "density");
+    const auto shared = openvdb::FloatGrid::create(first->treePtr());
+    shared->setName("shared");
+    shared->setTransform(openvdb::math::Transform::createLinearTransform(4.0));
+    const auto second = random_grid<openvdb::FloatGrid>(9, 0, "density");
+    write({first, shared, second});
+    const LoadedGrid instance = load_grid(path_, "shared");
+    expect_equal(*first, *instance.grid);
+    EXPECT_EQ(instance.world_from_index[0], 4.0);
+    expect_equal(*first, *load_grid(path_, "density").grid);
+    expect_equal(*second, *load_grid(path_, "density[1]").grid);
+    EXPECT_EQ(list_grids(path_).at(1).active_voxels, static_cast<std::int64_t>(first->activeVoxelCount()));
+}
+
+TEST_F(VdbFile, ReadsFilesWrittenAsStreams) {  // these hold no offsets
+    const auto first = random_grid<openvdb::FloatGrid>(8, 0, "first"), second = random_grid<openvdb::FloatGrid>(9, 0, "second");
+    std::ofstream out(path_, std::ios::binary);
+    openvdb::io::Stream(out).write(openvdb::GridCPtrVec{first, second});
+    out.close();
+    expect_equal(*second, *load_grid(path_, "second").grid);
+    expect_equal(*first, *load_grid(path_, "first").grid);
+}
+
+TEST_F(VdbFile, ListsGridsWithOrWithoutStoredStatistics) {
+    const auto density = random_grid<openvdb::FloatGrid>(8, 0);
+    density->setGridClass(openvdb::GRID_FOG_VOLUME);
+    density->insertMeta("author", openvdb::StringMetadata("someone"));
+    const auto velocity = openvdb::Vec3SGrid::create();
+    velocity->setName("velocity");
+    for (const bool statistics : {true, false}) {
+        openvdb::io::File file(path_);
+        file.setGridStatsMetadataEnabled(statistics);
+        file.write(openvdb::GridCPtrVec{density, velocity});
+        const std::vector<GridInfo> grids = list_grids(path_);
+        ASSERT_EQ(grids.size(), 2u);
+        EXPECT_EQ(grids[0].name, "density");
+        EXPECT_EQ(grids[0].type, "float");
+        EXPECT_EQ(grids[0].active_voxels, static_cast<std::int64_t>(density->activeVoxelCount()));
+        EXPECT_EQ(grids[0].active_bounds, load_grid(path_, "density").grid->active_bounds());
+        EXPECT_EQ(grids[0].metadata.at("author"), "someone");
+        EXPECT_EQ(grids[0].metadata.at("class"), "fog volume");
+        EXPECT_EQ(grids[1].type, "vec3s");
+        EXPECT_EQ(grids[1].active_voxels, 0);
+        EXPECT_TRUE(grids[1].active_bounds.empty());
+    }
+}
+
+TEST_F(VdbFile, LoadsFromManyThreadsAtOnce) {
+    const auto grid = random_grid<openvdb::FloatGrid>(8, 0);
+    write({grid});
+    std::array<LoadedGrid, 4> loaded;
+    std::vector<std::thread> threads;
+    for (LoadedGrid& l : loaded) threads.emplace_back([&] { l = load_grid(path_, "density"); });
+    for (std::thread& t : threads) t.join();
+    for (const LoadedGrid& l : loaded) expect_equal(*grid, *l.grid);
+}
+
+// --- Damage -----------------------------------------------------------------------------------------------------
+
+std::vector<char> bytes_of(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST_F(VdbFile, EveryTruncationIsAnError) {
+    write({random_grid<openvdb::FloatGrid>(8, 0.5f), random_grid<openvdb::FloatGrid>(9, 0, "other")});
+    const std::vector<char> whole = bytes_of(path_);
+    ASSERT_GT(whole.size(), 10000u);
+    for (std::size_t length = 0; length < whole.size(); length += length < 2000 ? 1 : 997) {
+        std::ofstream(path_, std::ios::binary | std::ios::trunc).write(whole.data(), static_cast<std::streamsize>(length));
+        const std::string error = load_error("density");
+        ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
+    }
+}
+
+TEST_F(VdbFile, EveryTruncationOfAStreamIsAnError) {
+#if defined(__SANITIZE_ADDRESS__)
+    __lsan::ScopedDisabler openvdb_leaks_the_node_it_was_reading;
+#endif
+    std::ofstream out(path_, std::ios::binary);
+    openvdb::io::Stream(out).write(openvdb::GridCPtrVec{random_grid<openvdb::FloatGrid>(8, 0.5f)});
+    out.close();
+    const std::vector<char> whole = bytes_of(path_);
+    for (std::size_t length = 1; length < whole.size(); length += length < 1000 ? 13 : 4999) {
+        std::ofstream(path_, std::ios::binary | std::ios::trunc).write(whole.data(), static_cast<std::streamsize>(length));
+        const std::string error = load_error("density");
+        ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
+    }
+}
+
+TEST_F(VdbFile, FlippedBytesNeverCrash) {
+#if defined(__SANITIZE_ADDRESS__)
+    __lsan::ScopedDisabler openvdb_leaks_the_node_it_was_reading;
+#endif
+    int errors = 0, loads = 0;
+    for (const std::uint32_t compression : {kPlain, kZip, kBlosc}) {
+        write({random_grid<openvdb::FloatGrid>(8, 0.5f)}, compression);
+        const std::vector<char> whole = bytes_of(path_);
+        Rng rng(compression + 77);
+        for (int n = 0; n < 200; ++n) {
+            std::vector<char> damaged = whole;
+            for (int flips = n % 5; flips >= 0; --flips) {
+                // Half of the damage goes to the first kilobytes, where the counts are.
+                const auto range = static_cast<float>(n % 2 ? damaged.size() : std::min<std::size_t>(damaged.size(), 3000));
+                damaged[static_cast<std::size_t>(rng.next() * range)] = static_cast<char>(rng.next_uint());
+            }
+            std::ofstream(path_, std::ios::binary | std::ios::trunc).write(damaged.data(), static_cast<std::streamsize>(damaged.size()));
+            const std::string error = load_error("density");
+            error.empty() ? ++loads : ++errors;
+            ASSERT_TRUE(error.empty() || error.compare(0, path_.size(), path_) == 0) << error;
+        }
+    }
+    EXPECT_GT(errors, 50);  // the test would be idle if nothing were noticed,
+    EXPECT_GT(loads, 50);   // or if all damage hit the header
+}
+
+// --- Memory -----------------------------------------------------------------------------------------------------
+
+#if !defined(__SANITIZE_ADDRESS__)
+/// Resident memory in KiB: `VmRSS`, or the peak since the last reset, `VmHWM`.
+double status_kib(const std::string& key) {
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;) {
+        double kib = 0;
+        if (word == key + ":" && status >> kib) return kib;
+    }
+    return 0;
+}
+
+TEST_F(VdbFile, LoadingTakesLittleMoreMemoryThanTheResult) {
+    constexpr int kSize = 208;  // 9 million voxels, all different
+    for (const bool half : {false, true}) {
+        {
+            const auto grid = openvdb::FloatGrid::create();
+            grid->setName("density");
+            grid->setSaveFloatAsHalf(half);
+            auto accessor = grid->getAccessor();
+            Rng rng(1);
+            for (int i = 0; i < kSize; ++i) {
+                for (int j = 0; j < kSize; ++j) {
+                    for (int k = 0; k < kSize; ++k) accessor.setValue(Coord(i, j, k), rng.next() + 0.01f);
+                }
+            }
+            write({grid});
+        }
+        malloc_trim(0);
+        if (!(std::ofstream("/proc/self/clear_refs") << 5)) GTEST_SKIP() << "the kernel does not reset peaks";
+        const double before = status_kib("VmRSS");
+        const LoadedGrid loaded = load_grid(path_, "density");
+        const double peak = (status_kib("VmHWM") - before) * 1024;
+        const double voxel_bytes = std::pow(kSize, 3) * (half ? 2 : 4);
+        EXPECT_LT(peak, (half ? 1.4 : 1.2) * voxel_bytes);
+        EXPECT_GT(peak, 0.9 * voxel_bytes);  // or the measurement is broken
+    }
+}
+#endif
+
+// --- Files of others --------------------------------------------------------------------------------------------
+
+struct KnownFile {
+    const char* file;
+    std::int64_t active_voxels;
+    VoxelType type;
+};
+
+class RealVdbFile : public testing::TestWithParam<KnownFile> {};
+INSTANTIATE_TEST_SUITE_P(Files, RealVdbFile,
+                         testing::Values(KnownFile{"wdas_cloud_sixteenth.vdb", 415642, VoxelType::single_float},
+                                         KnownFile{"openvdb_smoke1.vdb", 1049275, VoxelType::half_float},
+                                         KnownFile{"usd_smoke_000003.vdb", 90197, VoxelType::single_float},
+                                         KnownFile{"sergeneren_box21.vdb", 9261, VoxelType::single_float},
+                                         KnownFile{"c42_fluid_data_0001.vdb", 1665, VoxelType::half_float},
+                                         KnownFile{"gaffer_arnold_sphere.vdb", 465, VoxelType::single_float}));
+
+TEST_P(RealVdbFile, LoadsAsOpenVdbItselfReadsIt) {
+    const fs::path folder = fs::path(__FILE__).parent_path() / "../../../shared/data";
+    if (!fs::exists(folder)) GTEST_SKIP() << "no folder " << folder;
+    const std::string path = (folder / GetParam().file).string();
+    const LoadedGrid loaded = load_grid(path, "density");
+    EXPECT_EQ(loaded.grid->active_voxels(), GetParam().active_voxels);
+    EXPECT_EQ(loaded.grid->voxel_type(), GetParam().type);
+    EXPECT_TRUE(loaded.warnings.empty());
+    openvdb::initialize();
+    openvdb::io::File file(path);
+    file.open(false);
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
+    expect_equal(*grid, *loaded.grid);
+    for (auto v = grid->cbeginValueOn(); v; ++v) {
+        const Coord c = v.getCoord();
+        ASSERT_EQ(loaded.grid->lookup(c[0], c[1], c[2]), *v);
+    }
+}
+
+}  // namespace
+}  // namespace nephele
