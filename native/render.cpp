@@ -178,6 +178,15 @@ int Render::lowest_count() const {
     return static_cast<int>(lowest);
 }
 
+std::string Render::failure() const {
+    if (state_ != State::failed) return {};
+    try {
+        std::rethrow_exception(failure_);
+    } catch (const std::exception& e) {
+        return e.what();
+    }
+}
+
 double Render::fraction() const {
     const double all = static_cast<double>(settings_.samples) * film_.width() * film_.height();
     return std::min(1.0, static_cast<double>(samples_taken_) / all);

@@ -49,6 +49,8 @@ public:
     void cancel() { cancelled_ = true; }
 
     State state() const { return state_; }
+    /// What a render thread said when it failed, or nothing.
+    std::string failure() const;
     /// Samples that every pixel has.
     int samples_done() const { return samples_done_; }
     /// Share of all samples taken, in [0, 1].

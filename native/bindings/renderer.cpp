@@ -53,6 +53,7 @@ public:
     nb::dict progress() const {
         nb::dict out;
         out["state"] = name_of(render_->state());
+        out["message"] = render_->failure();
         out["samples_done"] = render_->samples_done();
         out["samples"] = settings_.samples;
         out["fraction"] = render_->fraction();
@@ -85,7 +86,7 @@ public:
         out["render_seconds"] = s.render_seconds;
         out["render_cpu_seconds"] = s.render_cpu_seconds;
         out["first_tile_seconds"] = s.first_tile_seconds;
-        out["hierarchy_bytes"] = scene_->hierarchy_bytes();
+        out["embree_bytes"] = scene_->hierarchy_bytes();
         nb::list grids;
         for (const GridUse& g : scene_->grids()) {
             nb::dict row;
@@ -145,7 +146,7 @@ void bind_renderer(nb::module_& m) {
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
         .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
-        .def("progress", &Renderer::progress, "dict: state, samples_done, samples, fraction in [0, 1], seconds.")
+        .def("progress", &Renderer::progress, "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds.")
         .def("read_pass", &Renderer::read_pass, nb::arg("name"),
              "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError where it was not asked for.")
         .def("statistics", &Renderer::statistics, "dict of counts, times (s) and sizes (bytes).")

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <Imath/half.h>
+
 namespace nephele {
 
 namespace {
@@ -23,14 +25,6 @@ void* reserve(std::size_t bytes) {
 }
 
 int aligned_down(int v, int step) { return v & -step; }
-
-void widen(IndexBox& box, const std::array<int, 3>& min, const std::array<int, 3>& max) {
-    const bool was_empty = box.empty();
-    for (std::size_t a = 0; a < 3; ++a) {
-        box.min[a] = was_empty ? min[a] : std::min(box.min[a], min[a]);
-        box.max[a] = was_empty ? max[a] : std::max(box.max[a], max[a]);
-    }
-}
 
 }  // namespace
 
@@ -66,7 +60,7 @@ void BrickGrid::read_brick(std::int32_t brick, float* out) const {
         std::memcpy(out, floats_ + first, kBrickVoxels * sizeof(float));
         return;
     }
-    for (std::size_t v = 0; v < kBrickVoxels; ++v) out[v] = imath_half_to_float(halves_[first + v]);
+    for (std::size_t v = 0; v < kBrickVoxels; ++v) out[v] = half_to_float(halves_[first + v]);
 }
 
 // --- BrickGridBuilder -------------------------------------------------------------------------------------------
@@ -222,12 +216,13 @@ void BrickGridBuilder::find_bounds() {
         for (int v = 0; v < BrickGrid::kBrickVoxels; ++v) {
             if (values[v] == g.background_) continue;
             const std::array<int, 3> p{corner[0] + (v >> 6), corner[1] + (v >> 3 & 7), corner[2] + (v & 7)};
-            widen(g.bounds_, p, p);
+            g.bounds_.include(p);
         }
     };
     const auto widen_by_constant = [&](std::array<int, 3> corner, int size, std::int32_t entry) {
         if (g.constants_[static_cast<std::size_t>(~entry)] == g.background_) return;
-        widen(g.bounds_, corner, {corner[0] + size - 1, corner[1] + size - 1, corner[2] + size - 1});
+        g.bounds_.include(corner);
+        g.bounds_.include({corner[0] + size - 1, corner[1] + size - 1, corner[2] + size - 1});
     };
     const auto& n = g.blocks_per_axis_;
     for (std::size_t b = 0; b < g.blocks_.size(); ++b) {

@@ -10,7 +10,9 @@
 //         -> voxels[brick, x & 7, y & 7, z & 7]      half or float, z fastest
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +21,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include <Imath/half.h>
+#ifdef __F16C__
+#include <immintrin.h>
+#endif
 
 #include "math/vec.h"
 
@@ -31,10 +35,29 @@ struct IndexBox {
 
     bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
     bool operator==(const IndexBox&) const = default;
+    void include(const std::array<int, 3>& voxel) {
+        const bool was_empty = empty();
+        for (std::size_t a = 0; a < 3; ++a) {
+            min[a] = was_empty ? voxel[a] : std::min(min[a], voxel[a]);
+            max[a] = was_empty ? voxel[a] : std::max(max[a], voxel[a]);
+        }
+    }
 };
 
 /// How bricks keep their voxels. `half_float` is lossless only for values that are halves already.
 enum class VoxelType { half_float, single_float };
+
+/// Value of an IEEE half. (Imath's own header puts the name `half` into the global namespace of all who include it.)
+inline float half_to_float(std::uint16_t bits) {
+#ifdef __F16C__
+    return _cvtsh_ss(bits);
+#else
+    // Widen exponent and mantissa in place, then correct the exponent's bias: exact for denormals, too.
+    const float magnitude = std::bit_cast<float>((bits & 0x7fffu) << 13) * 0x1p112f;
+    const std::uint32_t special = magnitude >= 65536.0f ? 0x7f800000u : 0;  // infinity and NaN
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(magnitude) | special | (bits & 0x8000u) << 16);
+#endif
+}
 
 /// floor(x) as an integer; NaN and what lies beyond +-2^30 become +-2^30.
 inline int floor_to_int(float x) {
@@ -85,7 +108,7 @@ private:
     static constexpr std::int32_t kOutside = INT32_MIN;
 
     BrickGrid() = default;
-    float voxel(std::size_t index) const { return halves_ ? imath_half_to_float(halves_[index]) : floats_[index]; }
+    float voxel(std::size_t index) const { return halves_ ? half_to_float(halves_[index]) : floats_[index]; }
     std::int32_t block_entry(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
         return blocks_[(std::size_t{x >> 7} * blocks_per_axis_[1] + (y >> 7)) * blocks_per_axis_[2] + (z >> 7)];
     }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The frame of an OpenVDB file: header, grid descriptors, metadata, transforms. Only vdb_file.cpp may include this.
 //
-// It is parsed here because openvdb::io::File holds a whole tree beside the result, copies files to a temporary
-// folder, refuses files that hold any grid type it does not know, and trusts the counts in a damaged file. This
-// stream throws at its end, so that a truncated file is never read as garbage. (Where the topology itself is damaged,
-// OpenVDB leaks the node it was reading.)
+// openvdb::io::File is not used: it holds a whole tree beside the result, copies files to a temporary folder, refuses
+// files that hold any type of grid it does not know, and trusts all counts. This stream throws at its end.
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -19,6 +18,8 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 
+#include "media/vdb_tree.h"
+
 namespace nephele {
 
 /// Where a file keeps a grid.
@@ -27,7 +28,13 @@ struct VdbDescriptor {
     bool half = false;
     std::int64_t position = 0;
 
+    /// "name", or "name[1]" and so on where a file has several of a name.
     std::string shown_name() const { return openvdb::io::GridDescriptor::nameAsString(unique_name); }
+    /// "float" of "Tree_float_5_4_3".
+    std::string value_type() const {
+        const std::size_t begin = type.find('_') + 1, end = type.find('_', begin);
+        return type.substr(begin, end - begin);
+    }
 };
 
 /// Reads the parts of a file; throws std::runtime_error, std::ios_base::failure or openvdb::Exception.
@@ -40,14 +47,19 @@ public:
     const VdbDescriptor& find(const std::string& grid_name) const;
     /// The descriptor whose tree `d` uses: itself, or the grid it is an instance of.
     const VdbDescriptor& tree_owner(const VdbDescriptor& d) const;
+    /// Leaves the stream in front of the transform.
     openvdb::MetaMap read_metadata(const VdbDescriptor& d);
-    /// Metadata, then the transform; leaves the stream in front of the tree.
-    openvdb::GridBase::Ptr read_head(const VdbDescriptor& d);
+    /// Leaves the stream in front of the tree.
+    openvdb::math::Transform read_transform(const VdbDescriptor& d);
+    /// OpenVDB's own grid, of any type, with its topology and perhaps its voxels.
+    openvdb::GridBase::Ptr read_openvdb_grid(const VdbDescriptor& d, bool with_voxels);
 
 private:
     std::string read_name();
+    openvdb::MetaMap read_metadata();
     VdbDescriptor read_descriptor(std::int64_t& end);
     void read_descriptors();
+    void skip_grid(const VdbDescriptor& d);
 
     // The stream keeps the address of this pointer.
     openvdb::io::StreamMetadata::Ptr stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
@@ -60,7 +72,9 @@ inline VdbReader::VdbReader(const std::string& path) : stream_(path, std::ios::b
     // Initialising registers all grid types, once, under OpenVDB's own lock.
     static const bool initialized = (openvdb::initialize(), true);
     static_cast<void>(initialized);
-    if (!stream_ || !std::filesystem::is_regular_file(path)) throw std::runtime_error("cannot be opened: check that the file exists and may be read");
+    if (!stream_ || !std::filesystem::is_regular_file(path)) {
+        throw std::runtime_error("cannot be opened: check that the file exists and may be read");
+    }
     stream_.exceptions(std::ios::failbit | std::ios::badbit);
     stream_.seekg(0, std::ios::end);
     size_ = stream_.tellg();
@@ -78,7 +92,7 @@ inline VdbReader::VdbReader(const std::string& path) : stream_(path, std::ios::b
         throw std::runtime_error("has the outdated VDB format " + std::to_string(fileVersion()) +
                                  ": open and save it with a program that uses a newer OpenVDB");
     }
-    openvdb::MetaMap().readMeta(stream_);
+    read_metadata();
     read_descriptors();
 }
 
@@ -122,16 +136,22 @@ inline void VdbReader::read_descriptors() {
             }
             descriptors_.push_back(std::move(d));
         } else {  // the next descriptor comes after this grid's voxels, however many they are
-            const openvdb::GridBase::Ptr skipped = read_head(d);
-            if (d.parent.empty()) {
-                skipped->readTopology(stream_);
-                skipped->readBuffers(stream_);
-            }
+            skip_grid(d);
             end = stream_.tellg();
             descriptors_.push_back(std::move(d));
         }
         stream_.seekg(end);
     }
+}
+
+inline void VdbReader::skip_grid(const VdbDescriptor& d) {
+    read_transform(d);
+    if (!d.parent.empty()) return;
+    const bool is_scalar = with_vdb_tree(stream_, d.type, d.half, [](auto& tree) {
+        decltype(tree.background()) values[BrickGrid::kBrickVoxels];
+        for (std::size_t n = tree.leaves().size(); n > 0; --n) tree.read_leaf(values);
+    });
+    if (!is_scalar) read_openvdb_grid(d, true);
 }
 
 inline const VdbDescriptor& VdbReader::find(const std::string& grid_name) const {
@@ -157,22 +177,49 @@ inline const VdbDescriptor& VdbReader::tree_owner(const VdbDescriptor& d) const 
 inline openvdb::MetaMap VdbReader::read_metadata(const VdbDescriptor& d) {
     stream_.seekg(d.position);
     readGridCompression(stream_);
+    return read_metadata();
+}
+
+/// As MetaMap::readMeta, which allocates whatever size the file names.
+inline openvdb::MetaMap VdbReader::read_metadata() {
     openvdb::MetaMap metadata;
-    metadata.readMeta(stream_);
+    std::uint32_t count = 0;
+    stream_.read(reinterpret_cast<char*>(&count), sizeof(count));
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const std::string name = read_name(), type = read_name();
+        std::uint32_t size = 0;
+        stream_.read(reinterpret_cast<char*>(&size), sizeof(size));
+        if (size > size_ - stream_.tellg()) throw std::runtime_error("is damaged: metadata \"" + name + "\" is too long");
+        std::vector<char> bytes(sizeof(size) + size);
+        std::memcpy(bytes.data(), &size, sizeof(size));
+        stream_.read(bytes.data() + sizeof(size), size);
+        if (!openvdb::Metadata::isRegisteredType(type) || type == "__delayedload") continue;
+        MemoryStream memory;
+        memory.set(bytes);
+        const openvdb::Metadata::Ptr value = openvdb::Metadata::createMetadata(type);
+        value->read(memory);
+        metadata.insertMeta(name, *value);
+    }
     return metadata;
 }
 
-inline openvdb::GridBase::Ptr VdbReader::read_head(const VdbDescriptor& d) {
+inline openvdb::math::Transform VdbReader::read_transform(const VdbDescriptor& d) {
+    read_metadata(d);
+    openvdb::math::Transform transform;
+    transform.read(stream_);
+    return transform;
+}
+
+inline openvdb::GridBase::Ptr VdbReader::read_openvdb_grid(const VdbDescriptor& d, bool with_voxels) {
     if (!openvdb::GridBase::isRegistered(d.type)) {
         throw std::runtime_error("holds grid \"" + d.shown_name() + "\" of a type unknown here: " + d.type);
     }
     const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(d.type);
     grid->setSaveFloatAsHalf(d.half);
-    grid->insertMeta(read_metadata(d));
-    grid->removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
-    openvdb::io::setGridClass(stream_, grid->getGridClass());
+    read_transform(d);
     openvdb::io::setGridBackgroundValuePtr(stream_, nullptr);
-    grid->readTransform(stream_);
+    grid->readTopology(stream_);
+    if (with_voxels) grid->readBuffers(stream_);
     return grid;
 }
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Conversion of OpenVDB trees into BrickGrids.
-//
-// A tree's topology is read first, then the voxels of each leaf pass through one scratch leaf into their brick, in the
-// order of the file: the peak of memory is the result plus the topology, about 5 %.
+// Conversion of OpenVDB grids into BrickGrids: the voxels of each leaf go straight from the stream into their brick.
 
 // OpenVDB's headers assert what damaged files break; an assertion would take the host down with it.
 #ifndef NDEBUG
@@ -21,156 +18,64 @@
 
 #include <openvdb/math/Transform.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetUtil.h>
 
 #include "media/vdb_archive.h"
+#include "media/vdb_tree.h"
 
 namespace nephele {
 
 namespace {
 
-using openvdb::Coord;
+/// What a stored value means to the renderer.
+struct ValueMap {
+    bool is_level_set = false;
+    float fog_scale = 0;  // level sets: 1 / the background, which is half the width of their narrow band
+    std::int64_t replaced = 0;
 
-// --- From tree to bricks ----------------------------------------------------------------------------------------
-
-/// A value as the renderer can use it; NaN, infinite and negative ones are 0.
-template <typename Value>
-float cleaned(const Value& value) {
-    const auto v = static_cast<float>(value);
-    return v >= 0 && v <= std::numeric_limits<float>::max() ? v : 0;
-}
-
-template <typename Vec3>
-IndexBox index_box(const Vec3& min, const Vec3& max) {
-    const IndexBox box{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
-    return box.empty() ? IndexBox{} : box;
-}
-
-/// Calls visit(corner, edge, value) for all constant cubes of a tree.
-template <typename Tree, typename Visit>
-void visit_tiles(const Tree& tree, const Visit& visit) {
-    using Upper = typename Tree::RootNodeType::ChildNodeType;
-    using Lower = typename Upper::ChildNodeType;
-    for (auto t = tree.root().cbeginValueAll(); t; ++t) visit(t.getCoord(), Upper::DIM, *t);
-    for (auto upper = tree.root().cbeginChildOn(); upper; ++upper) {
-        for (auto t = upper->cbeginValueAll(); t; ++t) visit(t.getCoord(), Lower::DIM, *t);
-        for (auto lower = upper->cbeginChildOn(); lower; ++lower) {
-            for (auto t = lower->cbeginValueAll(); t; ++t) visit(t.getCoord(), Tree::LeafNodeType::DIM, *t);
-        }
+    /// Level sets: 0 outside, growing inwards to 1 across half the narrow band. Others: the value; NaN, infinite and
+    /// negative ones become 0, and count as `voxels` replaced.
+    template <typename Value>
+    float operator()(const Value& value, std::int64_t voxels) {
+        auto v = static_cast<float>(value);
+        if (is_level_set) v = v < 0 ? std::min(-v * fog_scale, 1.0f) : v >= 0 ? 0 : v;
+        if (v >= 0 && v <= std::numeric_limits<float>::max()) return v;
+        replaced += voxels;
+        return 0;
     }
-}
+};
 
-/// Calls visit(leaf) for all leaves, in the order in which files hold their voxels.
-template <typename Tree, typename Visit>
-void visit_leaves(const Tree& tree, const Visit& visit) {
-    for (auto upper = tree.root().cbeginChildOn(); upper; ++upper) {
-        for (auto lower = upper->cbeginChildOn(); lower; ++lower) {
-            for (auto leaf = lower->cbeginChildOn(); leaf; ++leaf) visit(*leaf);
-        }
-    }
-}
-
-/// The box of all that a tree's topology sets apart from the background, and the number of its leaves.
-template <typename Tree>
-IndexBox survey(const Tree& tree, std::size_t& leaves) {
-    constexpr std::int64_t kLimit = INT32_MAX;
-    IndexBox box{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
-    const auto include = [&](const Coord& corner, std::int64_t edge) {
-        for (std::size_t a = 0; a < 3; ++a) {
-            const std::int64_t first = corner[static_cast<int>(a)];
-            box.min[a] = std::min(box.min[a], static_cast<int>(first));
-            box.max[a] = std::max(box.max[a], static_cast<int>(std::min(first + edge - 1, kLimit)));
-        }
+/// The box of all that is set apart from the background.
+template <typename Reader>
+IndexBox extent_of(const Reader& tree) {
+    IndexBox box;
+    const auto include = [&](const openvdb::Coord& corner, std::int64_t edge) {
+        const int last = static_cast<int>(edge) - 1;
+        box.include({corner[0], corner[1], corner[2]});
+        box.include({corner[0] + last, corner[1] + last, corner[2] + last});
     };
-    const float background = cleaned(tree.background());
-    visit_tiles(tree, [&](const Coord& corner, std::int64_t edge, const auto& value) {
-        if (cleaned(value) != background) include(corner, edge);
-    });
-    leaves = 0;
-    visit_leaves(tree, [&](const auto& leaf) {
-        include(leaf.origin(), leaf.dim());
-        ++leaves;
-    });
+    for (const auto& tile : tree.tiles()) include(tile.corner, tile.edge);
+    for (const auto& leaf : tree.leaves()) include(leaf.corner, BrickGrid::kBrickSize);
     return box;
 }
 
-/// Bricks of a tree whose topology has been read. Its leaves' values are in the tree, or else come from `stream`.
-/// `replaced` receives the number of voxels that were NaN, infinite or negative.
-template <typename Tree>
-std::shared_ptr<const BrickGrid> bricks_of(const Tree& tree, VoxelType type, std::istream* stream, bool half,
-                                           std::int64_t& replaced) {
-    using Leaf = typename Tree::LeafNodeType;
-    static_assert(Leaf::DIM == BrickGrid::kBrickSize && Tree::RootNodeType::ChildNodeType::ChildNodeType::DIM ==
-                                                            BrickGrid::kBlockSize);
-    std::size_t leaves = 0;
-    const IndexBox extent = survey(tree, leaves);
-    const float background = cleaned(tree.background());
-    replaced = 0;
-    const auto clean = [&](const auto& value, std::int64_t voxels) {
-        const float v = cleaned(value);
-        if (v != static_cast<float>(value)) replaced += voxels;
-        return v;
-    };
-    BrickGridBuilder builder(extent, background, type, leaves);
-    visit_tiles(tree, [&](const Coord& corner, std::int64_t edge, const auto& value) {
-        const bool is_background = value == tree.background();
-        const float v = is_background ? background : clean(value, edge * edge * edge);
-        if (v != background) builder.set_tile({corner[0], corner[1], corner[2]}, edge, v);
-    });
-    Leaf scratch;
+template <typename Reader>
+std::shared_ptr<const BrickGrid> bricks_of(Reader& tree, VoxelType type, ValueMap& map) {
+    BrickGridBuilder builder(extent_of(tree), map(tree.background(), 0), type, tree.leaves().size());
+    for (const auto& tile : tree.tiles()) {
+        builder.set_tile({tile.corner[0], tile.corner[1], tile.corner[2]}, tile.edge,
+                         map(tile.value, tile.edge * tile.edge * tile.edge));
+    }
+    decltype(tree.background()) values[BrickGrid::kBrickVoxels];
     float voxels[BrickGrid::kBrickVoxels];
-    visit_leaves(tree, [&](const Leaf& leaf) {
-        const Coord corner = leaf.origin();
-        if (stream) {
-            scratch.setValueMask(leaf.getValueMask());
-            scratch.readBuffers(*stream, half);
-        }
-        const Leaf& source = stream ? scratch : leaf;
-        for (openvdb::Index v = 0; v < Leaf::SIZE; ++v) voxels[v] = clean(source.getValue(v), 1);
-        builder.set_brick({corner[0], corner[1], corner[2]}, voxels);
-    });
-    openvdb::CoordBBox active;
-    tree.evalActiveVoxelBoundingBox(active);
-    return builder.finish(static_cast<std::int64_t>(tree.activeVoxelCount()), index_box(active.min(), active.max()));
-}
-
-/// Reads the tree of `grid`, in front of which the reader stands.
-template <typename Grid>
-void read_tree(VdbReader& reader, Grid& grid, const VdbDescriptor& owner, LoadedGrid& out) {
-    constexpr bool is_real = std::is_floating_point_v<typename Grid::ValueType>;
-    constexpr bool is_bool = std::is_same_v<typename Grid::ValueType, bool>;
-    std::istream* stream = &reader.stream();
-    grid.readTopology(*stream);
-    VoxelType type = (is_real && owner.half) || is_bool ? VoxelType::half_float : VoxelType::single_float;
-    if constexpr (is_real) {
-        if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
-            grid.readBuffers(*stream);
-            stream = nullptr;
-            openvdb::tools::sdfToFogVolume(grid);
-            type = VoxelType::single_float;
-            out.warnings.push_back("is a level set: its inside is taken as a fog of density 1");
-        }
+    for (const auto& leaf : tree.leaves()) {
+        tree.read_leaf(values);
+        for (int v = 0; v < BrickGrid::kBrickVoxels; ++v) voxels[v] = map(values[v], 1);
+        builder.set_brick({leaf.corner[0], leaf.corner[1], leaf.corner[2]}, voxels);
     }
-    std::int64_t replaced = 0;
-    out.grid = bricks_of(grid.tree(), type, stream, owner.half, replaced);
-    if (replaced > 0) {
-        out.warnings.push_back("has " + std::to_string(replaced) +
-                               " voxels that are NaN, infinite or negative: they count as 0");
-    }
+    return builder.finish(tree.active_voxels(), tree.active_bounds());
 }
 
-/// Calls read_tree for the one of `Grids` that `grid` is; false where it is none of them.
-template <typename... Grids>
-bool read_tree_as(VdbReader& reader, openvdb::GridBase& grid, const VdbDescriptor& owner, LoadedGrid& out) {
-    const auto attempt = [&]<typename Grid>(const Grid*) {
-        if (!grid.isType<Grid>()) return false;
-        read_tree(reader, static_cast<Grid&>(grid), owner, out);
-        return true;
-    };
-    return (attempt(static_cast<const Grids*>(nullptr)) || ...);
-}
-
-void read_transform(const openvdb::math::Transform& transform, LoadedGrid& out) {
+void store_transform(const openvdb::math::Transform& transform, LoadedGrid& out) {
     if (!transform.isLinear()) {
         throw std::runtime_error("has a frustum transform, which is not affine: resample it to a regular grid");
     }
@@ -188,45 +93,64 @@ void read_transform(const openvdb::math::Transform& transform, LoadedGrid& out) 
 
 LoadedGrid read_grid(VdbReader& reader, const VdbDescriptor& d) {
     LoadedGrid out;
-    openvdb::GridBase::Ptr grid = reader.read_head(d);
-    read_transform(grid->transform(), out);
+    const openvdb::MetaMap metadata = reader.read_metadata(d);
+    const auto grid_class = metadata.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_GRID_CLASS);
     const VdbDescriptor& owner = reader.tree_owner(d);
-    if (&owner != &d) {
-        const openvdb::GridClass grid_class = grid->getGridClass();
-        grid = reader.read_head(owner);
-        grid->setGridClass(grid_class);
-    }
-    if (!read_tree_as<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid,
-                      openvdb::BoolGrid, openvdb::MaskGrid>(reader, *grid, owner, out)) {
-        throw std::runtime_error("is of type " + grid->valueType() +
-                                 "; a density must be a scalar: float, double, int32, int64 or bool");
+    store_transform(reader.read_transform(d), out);
+    reader.read_transform(owner);
+    const bool is_scalar = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](auto& tree) {
+        using Value = decltype(tree.background());
+        ValueMap map;
+        if (std::is_floating_point_v<Value> && grid_class && grid_class->value() == "level set") {
+            map.is_level_set = true;
+            map.fog_scale = 1 / static_cast<float>(tree.background());
+            out.warnings.push_back("is a level set: its inside is taken as a fog of density 1");
+        }
+        const bool half = std::is_same_v<Value, bool> || (std::is_floating_point_v<Value> && owner.half);
+        out.grid = bricks_of(tree, half && !map.is_level_set ? VoxelType::half_float : VoxelType::single_float, map);
+        if (map.replaced > 0) {
+            out.warnings.push_back("has " + std::to_string(map.replaced) +
+                                   " voxels that are NaN, infinite or negative: they count as 0");
+        }
+    });
+    if (!is_scalar) {
+        throw std::runtime_error("is of type " + d.value_type() + " (" + d.type +
+                                 "); a density must be a scalar: float, double, int32, int64, bool or mask");
     }
     return out;
 }
 
 GridInfo read_info(VdbReader& reader, const VdbDescriptor& d) {
-    GridInfo info{d.shown_name(), d.type, d.half, 0, {}, {}};
-    openvdb::MetaMap metadata = reader.read_metadata(d);
-    metadata.removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
-    for (auto m = metadata.beginMeta(); m != metadata.endMeta(); ++m) info.metadata[m->first] = m->second->str();
-    if (!openvdb::GridBase::isRegistered(d.type)) return info;
-
+    GridInfo info{d.shown_name(), d.value_type(), d.half, 0, {}, {}};
+    const openvdb::MetaMap metadata = reader.read_metadata(d);
+    for (auto m = metadata.beginMeta(); m != metadata.endMeta(); ++m) {
+        info.metadata[m->first] = m->second->str();
+    }
     // Files usually keep the statistics; where they do not, the topology tells.
     using openvdb::GridBase;
     const auto count = metadata.getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_VOXEL_COUNT);
     const auto min = metadata.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MIN);
     const auto max = metadata.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MAX);
+    const auto set_box = [&](const auto& lo, const auto& hi) {
+        const IndexBox box{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+        if (!box.empty()) info.active_bounds = box;  // empty ones come in all shapes
+    };
     if (count && min && max) {
-        info.type = GridBase::createGrid(d.type)->valueType();
         info.active_voxels = count->value();
-        info.active_bounds = index_box(min->value(), max->value());
-    } else {
-        const GridBase::Ptr grid = reader.read_head(reader.tree_owner(d));
-        grid->readTopology(reader.stream());
+        set_box(min->value(), max->value());
+        return info;
+    }
+    const VdbDescriptor& owner = reader.tree_owner(d);
+    reader.read_transform(owner);
+    const bool is_scalar = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](const auto& tree) {
+        info.active_voxels = tree.active_voxels();
+        info.active_bounds = tree.active_bounds();
+    });
+    if (!is_scalar && GridBase::isRegistered(owner.type)) {
+        const GridBase::Ptr grid = reader.read_openvdb_grid(owner, false);
         const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
-        info.type = grid->valueType();
         info.active_voxels = static_cast<std::int64_t>(grid->activeVoxelCount());
-        info.active_bounds = index_box(box.min(), box.max());
+        set_box(box.min(), box.max());
     }
     return info;
 }

@@ -2,6 +2,7 @@
 // Brick grids against dense arrays: values, constants, bounds, interpolation, limits.
 #include "media/brick_grid.h"
 
+#include <Imath/half.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -31,7 +32,7 @@ struct Dense {
         for (std::size_t i = 0; i < n; ++i) {
             const bool clump = (i / 4096) % 3 == 0;
             const float v = clump ? rng.next() : (i / 4096) % 3 == 1 ? 0.5f : background;
-            values.push_back(type == VoxelType::half_float ? imath_half_to_float(imath_float_to_half(v)) : v);
+            values.push_back(type == VoxelType::half_float ? half_to_float(imath_float_to_half(v)) : v);
         }
     }
     float at(int i, int j, int k) const {
@@ -130,6 +131,15 @@ TEST(BrickGrid, MeanOfStochasticLookupsIsTheTrilinearValue) {
         }
         const double mean = sum / kSamples, variance = std::max(squares / kSamples - mean * mean, 0.0);
         EXPECT_NEAR(mean, double{grid->trilinear(p)}, 6 * std::sqrt(variance / kSamples) + 1e-6);
+    }
+}
+
+TEST(BrickGrid, HalvesConvertAsImathDoes) {
+    for (std::uint32_t bits = 0; bits < 65536; ++bits) {
+        const auto h = static_cast<std::uint16_t>(bits);
+        const float ours = half_to_float(h), theirs = imath_half_to_float(h);
+        ASSERT_TRUE(ours == theirs || (std::isnan(ours) && std::isnan(theirs))) << bits;
+        ASSERT_EQ(std::signbit(ours), std::signbit(theirs)) << bits;
     }
 }
 

@@ -2,6 +2,7 @@
 // Majorant grids: bounds against brute force, and walks of rays against the grid they bound.
 #include "media/majorant_grid.h"
 
+#include <Imath/half.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -22,7 +23,7 @@ GridPtr random_grid(std::uint64_t seed) {
     Rng rng(seed);
     const float background = seed % 3 == 0 ? 0.125f : 0.0f;
     const VoxelType type = seed % 2 ? VoxelType::half_float : VoxelType::single_float;
-    const auto value = [&] { return imath_half_to_float(imath_float_to_half(rng.next() * rng.next() * 4)); };
+    const auto value = [&] { return half_to_float(imath_float_to_half(rng.next() * rng.next() * 4)); };
     IndexBox extent;
     for (std::size_t a = 0; a < 3; ++a) {
         extent.min[a] = -8 * pick(rng, 40);

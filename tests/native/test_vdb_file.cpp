@@ -6,7 +6,6 @@
 #include <malloc.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetSphere.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -15,10 +14,6 @@
 #include <thread>
 
 #include "math/sampler.h"
-
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/lsan_interface.h>
-#endif
 
 namespace nephele {
 namespace {
@@ -102,7 +97,7 @@ void expect_equal(const Grid& source, const BrickGrid& loaded) {
 
 template <typename Grid>
 class VdbFileOf : public VdbFile {};
-using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::Int64Grid, openvdb::BoolGrid>;
+using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::BoolGrid>;
 TYPED_TEST_SUITE(VdbFileOf, ScalarGrids);
 
 TYPED_TEST(VdbFileOf, GivesEveryValueBackUnderEveryCompression) {
@@ -220,12 +215,20 @@ TEST_F(VdbFile, WrongValuesBecomeZeroAndAreCounted) {
 }
 
 TEST_F(VdbFile, LevelSetsBecomeTheFogOfTheirInside) {
-    const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, openvdb::Vec3f(5, 0, 0), 1.0f);
+    const auto sphere = openvdb::FloatGrid::create(3);
     sphere->setName("density");
+    sphere->setGridClass(openvdb::GRID_LEVEL_SET);
+    for (int v = 0; v < 50 * 50 * 50; ++v) {  // distances to the sphere of radius 20 around (5, 0, 0), cut at +-3
+        const Coord at(v / 2500 - 20, v / 50 % 50 - 25, v % 50 - 25);
+        const auto distance = static_cast<float>((at - Coord(5, 0, 0)).asVec3d().length() - 20);
+        if (std::fabs(distance) < 3) sphere->tree().setValueOn(at, distance);
+        if (distance <= -3) sphere->tree().setValueOff(at, -3);
+    }
     write({sphere});
     const LoadedGrid loaded = load_grid(path_, "density");
     EXPECT_EQ(loaded.grid->lookup(5, 0, 0), 1.0f);
     EXPECT_EQ(loaded.grid->lookup(5, 16, 0), 1.0f);
+    EXPECT_EQ(loaded.grid->lookup(5, 18, 0), 2.0f / 3);
     EXPECT_EQ(loaded.grid->lookup(5, 21, 0), 0.0f);
     EXPECT_EQ(loaded.grid->lookup(100, 0, 0), 0.0f);
     EXPECT_EQ(loaded.grid->background(), 0.0f);
@@ -302,7 +305,7 @@ TEST_F(VdbFile, EveryTruncationIsAnError) {
     write({random_grid<openvdb::FloatGrid>(8, 0.5f), random_grid<openvdb::FloatGrid>(9, 0, "other")});
     const std::vector<char> whole = bytes_of(path_);
     ASSERT_GT(whole.size(), 10000u);
-    for (std::size_t length = 0; length < whole.size(); length += length < 2000 ? 1 : 997) {
+    for (std::size_t length = 0; length < whole.size(); length += length < 2000 ? 1 : 9973) {
         std::ofstream(path_, std::ios::binary | std::ios::trunc).write(whole.data(), static_cast<std::streamsize>(length));
         const std::string error = load_error("density");
         ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
@@ -310,9 +313,6 @@ TEST_F(VdbFile, EveryTruncationIsAnError) {
 }
 
 TEST_F(VdbFile, EveryTruncationOfAStreamIsAnError) {
-#if defined(__SANITIZE_ADDRESS__)
-    __lsan::ScopedDisabler openvdb_leaks_the_node_it_was_reading;
-#endif
     std::ofstream out(path_, std::ios::binary);
     openvdb::io::Stream(out).write(openvdb::GridCPtrVec{random_grid<openvdb::FloatGrid>(8, 0.5f)});
     out.close();
@@ -324,13 +324,22 @@ TEST_F(VdbFile, EveryTruncationOfAStreamIsAnError) {
     }
 }
 
-TEST_F(VdbFile, FlippedBytesNeverCrash) {
-#if defined(__SANITIZE_ADDRESS__)
-    __lsan::ScopedDisabler openvdb_leaks_the_node_it_was_reading;
-#endif
+class DamagedVdbFile : public VdbFile, public testing::WithParamInterface<bool> {};
+INSTANTIATE_TEST_SUITE_P(WrittenAsStream, DamagedVdbFile, testing::Bool());
+
+TEST_P(DamagedVdbFile, FlippedBytesNeverCrash) {
+    const bool stream = GetParam();
     int errors = 0, loads = 0;
     for (const std::uint32_t compression : {kPlain, kZip, kBlosc}) {
-        write({random_grid<openvdb::FloatGrid>(8, 0.5f)}, compression);
+        const auto grid = random_grid<openvdb::FloatGrid>(8, 0.5f);
+        if (stream) {
+            std::ofstream out(path_, std::ios::binary);
+            openvdb::io::Stream archive(out);
+            archive.setCompression(compression);
+            archive.write(openvdb::GridCPtrVec{grid});
+        } else {
+            write({grid}, compression);
+        }
         const std::vector<char> whole = bytes_of(path_);
         Rng rng(compression + 77);
         for (int n = 0; n < 200; ++n) {
@@ -398,6 +407,8 @@ struct KnownFile {
     std::int64_t active_voxels;
     VoxelType type;
 };
+
+void PrintTo(const KnownFile& known, std::ostream* out) { *out << known.file; }
 
 class RealVdbFile : public testing::TestWithParam<KnownFile> {};
 INSTANTIATE_TEST_SUITE_P(Files, RealVdbFile,

@@ -99,7 +99,8 @@ BEAMS = {
         ((0.117771, 0.622884), (0.0264170, 0.139763), (0.0134041, 0.0709192)),
         ((0.115898, 0.613458), (0.0263324, 0.139337), (0.0133826, 0.0708109))),
     "1d 1e": (32, (0.2, 1.0, 1.0), 0.0, 0.1,
-        ((0.262972, 1.93321), (0.0906967, 1.02732), (0.0502853, 0.797199)), None),
+        ((0.262972, 1.93321), (0.0906967, 1.02732), (0.0502853, 0.797199)),
+        ((0.0, 0.0116385), (0.0, 0.0187805), (0.0, 0.0271316))),
     "3a": (1, (1.0, 1.0, 1.0), 0.75, 1.0,
         ((0.151159,), (0.101103,), (0.0395460,)), ((0.213750,), (0.266648,), (3.05855,))),
     "3b": (8, (1.0, 1.0, 1.0), 0.75, 1.0,
@@ -112,13 +113,11 @@ MU = (0.1, 0.5, 1.0)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_a_beam_is_disort(case, below):
     b, albedos, g, mu0, above_table, below_table = BEAMS[case]
-    table = below_table if below else above_table
-    if table is None:
-        pytest.skip("no light arrives")
-    for mu, values in zip(MU, table, strict=True):
+    samples, most = (24, 0.04) if b == 32 else (64, 0.02)
+    for mu, values in zip(MU, below_table if below else above_table, strict=True):
         scene = slab(b, closure(albedos, g), camera(b, mu, below), lights=(beam(mu0, np.pi / mu0),))
-        expected = np.resize(np.append(values, values[-1:]), 3) if len(values) == 2 else np.resize(values, 3)
-        assert_mean(radiance(scene), expected, rounding=1e-5, most=0.02)
+        expected = [values[0], values[-1], values[-1]]
+        assert_mean(radiance(scene, samples), expected, rounding=1e-5, most=most)
 
 
 # DISORT's problem 1, isotropic light of radiance 1 from above, a = 0.99; below, unscattered light counts.
@@ -130,9 +129,9 @@ ISOTROPIC = {0.03125: ((0.133177, 0.0299879, 0.0152233), (0.863946, 0.969363, 0.
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_isotropic_light_is_disort(b, below):
     for mu, value in zip(MU, ISOTROPIC[b][below], strict=True):
-        dark = b == 32 and below  # one path in 500 arrives
+        dark = b == 32 and below  # one path in some hundred arrives
         scene = slab(b, closure((0.99,) * 3), camera(b, mu, below), UP)
-        assert_mean(radiance(scene, 128 if dark else 32), value, rounding=2e-5, most=0.2 if dark else 0.02)
+        assert_mean(radiance(scene, 32 if b == 32 else 128), value, rounding=2e-5, most=0.02)
 
 
 # Chandrasekhar's H function for isotropic scattering (400-point Gauss quadrature; H(1) at a = 1 is 2.9078):

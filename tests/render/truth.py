@@ -8,6 +8,7 @@ at the bottom.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.stats
 from nephele import description as d
 from nephele import opcodes, parameters
 
@@ -244,3 +245,24 @@ def assert_mean(image, expected, sigmas=5.0, rounding=0.0, most=None):
     assert np.all(off <= allowed), f"got {e}, expected {expected}: off by {off / np.maximum(e.error, 1e-30)} sigma"
     if most is not None:
         assert np.all(e.error <= most * np.maximum(np.abs(expected), 0.01)), f"too noisy to tell: {e}"
+
+
+def assert_blocks(image, expected, size=4, false_alarm=1e-4, rounding=0.0):
+    """Asserts that the mean of every block of size x size pixels is `expected` (per channel): Student's t of the
+    block's pixels, all blocks and channels together failing by chance with probability `false_alarm` (Sidak).
+
+    The pixels of a block must be independent with the same expectation.
+    """
+    height, width, channels = image.shape
+    blocks = image.reshape(height // size, size, width // size, size, channels).transpose(0, 2, 4, 1, 3)
+    blocks = blocks.reshape(height // size, width // size, channels, size * size)
+    n = size * size
+    error = blocks.std(-1, ddof=1) / np.sqrt(n)
+    off = np.abs(blocks.mean(-1) - expected) - rounding * np.abs(expected)
+    t = np.where(off > 0, off / np.maximum(error, 1e-30), 0)
+    limit = scipy.stats.t.isf((1 - (1 - false_alarm) ** (1 / t.size)) / 2, n - 1)
+    worst = np.unravel_index(t.argmax(), t.shape)
+    assert t.max() <= limit, (
+        f"block (row, column, channel) {worst} is {blocks.mean(-1)[worst]:.6g} +- {error[worst]:.2g}, expected "
+        f"{expected}: t = {t.max():.1f}, allowed {limit:.1f}"
+    )

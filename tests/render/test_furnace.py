@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""White furnaces: where nothing absorbs, under a uniform world of radiance 1, every pixel is 1. And its twin with
+emission: a medium that shines with j in balance with its absorption has radiance j / sigma_a everywhere.
+
+False alarms: the image's mean may be off by 5 standard errors (6e-7 per channel). Besides, the means of blocks of
+4 x 4 pixels are held to 1 by Student's t with 15 degrees of freedom, all blocks and channels of an image together
+at 1e-4 (Sidak): a bias of some pixels alone (a silhouette, a seam, an edge shared by triangles) shows there.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nephele import description as d
+from truth import (
+    BOX_FILTER, NO_LIMIT, Scene, assert_blocks, assert_mean, box, diffuse, emission, glass, joined, perspective, placed,
+    sphere,
+)  # fmt: skip
+
+GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"  # a rough ball, radius 0.9
+OUTSIDE, INSIDE = ((3.1, -1.2, 0.9), (0, 0, 0)), ((0.1, 0.05, -0.1), (1, 0.3, 0.2))
+WHITE = emission(1.0)
+SIGMA_S = {"grey": (3.0, 3.0, 3.0), "chromatic": (1.0, 3.0, 8.0)}
+
+
+def medium(sigma_s, g, **more):
+    return d.VolumeClosure(tuple(np.broadcast_to(sigma_s, 3)), g=g, **more)
+
+
+def check(scene, expected=1.0, samples=256, most=0.004, **settings):
+    image = scene.render(size=32, samples=samples, seed=3, **NO_LIMIT, **BOX_FILTER, **settings)["Combined"]
+    assert_mean(image, expected, rounding=2e-6, most=most)
+    assert_blocks(image, expected, rounding=1e-5)
+
+
+@pytest.mark.parametrize("view", [OUTSIDE, INSIDE], ids=["outside", "inside"])
+@pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
+@pytest.mark.parametrize("color", SIGMA_S)
+def test_furnace_of_a_homogeneous_mesh(view, g, color):
+    check(Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (medium(SIGMA_S[color], g),)))
+
+
+@pytest.mark.parametrize("view", [OUTSIDE, INSIDE], ids=["outside", "inside"])
+@pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
+@pytest.mark.parametrize("color", SIGMA_S)
+def test_furnace_of_a_grid(view, g, color):
+    check(Scene(perspective(*view), WHITE).add_volume(GRID, medium(SIGMA_S[color], g, density_grid="density")))
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"tracking": "delta"}, {"majorant": "global"}, {"sampler": "independent"}, {"roulette_depth": 0}],
+    ids=lambda s: "-".join(map(str, *s.items())),
+)
+def test_furnace_of_overlapping_chromatic_media(settings):
+    """A grid with two closures, two meshes that cut through it, one of them around the camera."""
+    closures = (medium((1, 2, 4), 0.7, density_grid="density"), medium((2, 1, 0.5), -0.3, density_grid="density"))
+    scene = Scene(perspective((1.2, 0.1, 0.2), (0, 0, 0)), WHITE).add_volume(GRID, *closures)
+    scene.add(box((0, -1, -1), (1.5, 1, 1), "right"), None, (medium((0.2, 1, 3), 0.5),))
+    scene.add(sphere(0.8, 2), None, (medium((2, 0.3, 0), 0.0),), placed(0.4, 0.3, 0))
+    check(scene, **settings)
+
+
+@pytest.mark.parametrize("view", [OUTSIDE, INSIDE], ids=["outside", "inside"])
+def test_furnace_of_a_nested_shell(view):
+    """One mesh of two spheres, the inner one turned inwards: the medium lies between them."""
+    shell = joined(sphere(1.0, 3), sphere(0.6, 3, inwards=True))
+    check(Scene(perspective(*view), WHITE).add(shell, None, (medium((2, 4, 6), 0.3),)))
+
+
+def test_furnace_of_white_diffuse_surfaces():
+    scene = Scene(perspective((0, -4, 1.5), (0, 0, 0.3)), WHITE)
+    scene.add(box((-5, -5, -2), (5, 5, -0.5), "floor"), diffuse(1.0)).add(sphere(0.7, 3), diffuse(1.0))
+    check(scene)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3])
+def test_furnace_of_lossless_glass_with_a_medium_inside(roughness):
+    """Rough glass by multiple-scattering GGX would be exact too; single scattering is what mode 0 means, so only
+    the smooth one conserves energy, and the rough one must not gain any."""
+    scene = Scene(perspective((0, -4, 1.0), (0, 0, 0)), WHITE)
+    scene.add(sphere(0.8, 4), glass(1.5, roughness), (medium((1, 2, 3), 0.5),))
+    if roughness == 0:
+        check(scene, most=0.01)
+    else:
+        image = scene.render(size=32, samples=64, **NO_LIMIT)["Combined"]
+        assert image.mean() <= 1.001
+        assert image.mean() >= 0.9
+
+
+def test_furnace_of_a_white_room_in_a_medium():
+    """Surfaces inside media inside media: a diffuse ball in a grid in a box."""
+    scene = Scene(perspective(*OUTSIDE), WHITE).add_volume(GRID, medium((2, 2, 2), 0.4, density_grid="density"))
+    scene.add(sphere(0.5, 3), diffuse(1.0)).add(box((-1, -1, -1), (1, 1, 1)), None, (medium((0.5, 1, 2), 0.0),))
+    check(scene)
+
+
+@pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
+def test_shining_world_in_balance(g):
+    """An endless medium, sigma_s over sigma_a different in each channel, with white surfaces in it and no light but
+    its own: radiance j / sigma_a everywhere."""
+    sigma_s, sigma_a, j = np.array([1.0, 2.0, 0.5]), np.array([0.5, 1.0, 2.0]), np.array([2.0, 1.0, 3.0])
+    shining = d.VolumeClosure(tuple(sigma_s), tuple(sigma_a), tuple(j), g)
+    scene = Scene(perspective((0, -4, 0.5), (0, 0, 0)), world_volume=(shining,)).add(sphere(1.0, 3), diffuse(1.0))
+    check(scene, j / sigma_a, most=0.01)
+
+
+def test_shining_box_in_balance_with_the_world():
+    """Inside and outside a box of absorbing, scattering and shining medium the world's radiance is j / sigma_a."""
+    shining = d.VolumeClosure((1, 2, 0), (0.5, 1, 2), (0.5, 1, 2), 0.5)
+    for view in (OUTSIDE, INSIDE):
+        check(Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (shining,)))
