@@ -14,7 +14,8 @@ namespace nephele {
 
 /// A light seen from a point, before visibility.
 struct DirectSample {
-    LightSample light;   ///< pdf includes the probability of choosing the light
+    LightSample light;  ///< pdf includes the probability of choosing the light
+    Vec3f target;       ///< where a shadow ray has to end, off the emitter's surface; unused where the distance is infinite
     bool cast_shadow = true;
 };
 
@@ -50,6 +51,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         if (!s) return std::nullopt;
         out.light = *s;
         out.cast_shadow = lamp.cast_shadow;
+        out.target = p + s->wi * s->distance;
     } else if (lights.kind(*number) == LightSet::Kind::mesh) {
         const MeshLight& mesh = lights.mesh(*number);
         const auto s = mesh.sample(p, choice.y, u);
@@ -58,7 +60,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y, s->barycentric.z};
         const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
         out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
-        out.light.distance *= 1 - 1e-4f;  // stops short of the emitter itself
+        out.target = offset_point(point.p, point.ng);
     } else {
         const EnvironmentLight::Sample s = lights.world()->sample(u);
         out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};
@@ -68,11 +70,20 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     return out;
 }
 
+/// The ray from p, already off its surface, to the light. It is aimed anew: with the direction found at the surface itself,
+/// a ray that starts a little off it would end in an emitter close by before it arrives.
+inline Ray shadow_ray(Vec3f p, const DirectSample& direct) {
+    if (direct.light.distance == kInfinity) return {p, direct.light.wi};
+    const Vec3f to_light = direct.target - p;
+    const float distance = length(to_light);
+    return {p, distance > 0 ? to_light / distance : direct.light.wi, 0, distance};
+}
+
 /// Transmittance from p (already off its surface) to the light: surfaces, then media.
 inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, const DirectSample& direct,
                                 PathSampler& sampler, Workspace& ws) {
-    const Ray ray{p, direct.light.wi, 0, direct.light.distance};
     if (!direct.cast_shadow) return Rgb(1);
+    const Ray ray = shadow_ray(p, direct);
     ++ws.counters.rays;
     Rgb T = scene.surface_transmittance(ray);
     if (is_zero(T) || !scene.features().media) return T;

@@ -53,8 +53,12 @@ private:
         return meet_surface(shading(hit));
     }
 
+    /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same distance.
+    using LampPlace = std::pair<float, std::uint32_t>;
+
     struct LampHit {
-        float distance = kInfinity;
+        LampPlace place{kInfinity, 0};
+        float distance = kInfinity;  ///< on ray_
         std::uint32_t number = 0;
         Rgb Le;
         float pdf = 0;
@@ -67,21 +71,19 @@ private:
         LampHit nearest;
         if (kind_ == kCameraRay || !scene_.features().lamps) return nearest;
         // Seen from the last vertex, wherever transparent surfaces let the ray start anew since: a lamp is met once.
-        const Ray reach{previous_p_, ray_.d, travelled_ + ray_.t_min, travelled_ + end};
+        const Ray reach{previous_p_, ray_.d, passed_.first, travelled_ + end};
         scene_.lights().for_each_lamp_hit(reach, [&](std::uint32_t number, const LightHit& hit) {
             if (hit.distance == kInfinity || !sees(scene_.lights().lamp(number))) return;  // suns: see escape()
             // Lamps at the same distance come in the order of their numbers, each once.
-            const std::pair place(hit.distance, number);
-            if (place <= passed_ || place >= std::pair(nearest.distance, nearest.number)) return;
-            nearest = {hit.distance, number, hit.Le, hit.pdf};
+            const LampPlace place(hit.distance, number);
+            if (place > passed_ && place < nearest.place) nearest = {place, hit.distance - travelled_, number, hit.Le, hit.pdf};
         });
-        nearest.distance -= travelled_;
         return nearest;
     }
 
     bool pass_lamp(const LampHit& lamp) {
         add(beta_ * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
-        passed_ = {lamp.distance + travelled_, lamp.number};
+        passed_ = lamp.place;  // as it was found: a rounded one could be met for ever
         ray_.t_min = std::max(lamp.distance, ray_.t_min);
         return true;
     }

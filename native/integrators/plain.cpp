@@ -27,33 +27,40 @@ float global_majorant(const Medium& m, int channel) {
     return m.sigma_t[channel] * (m.density ? m.density->majorants->global_majorant() : 1);
 }
 
-/// Woodcock tracking of one channel through all media of the segment. Emission is gathered per step.
+/// Woodcock tracking of one channel through all media of the segment, anew from each point where one begins or ends.
+/// Emission is gathered per step.
 Collision collide(const Segment& segment, int channel, Rng& rng, Counters& counters, float& emitted) {
-    float majorant = 0, begin = kInfinity, end = 0;
+    float begin = kInfinity, end = 0;
     for (const Interval& i : segment.intervals) {
-        majorant += global_majorant(*i.medium, channel);
         begin = std::min(begin, i.t0);
         end = std::max(end, i.t1);
     }
     for (float t = begin; t < end;) {
+        float majorant = 0, change = end;  // the same media are around up to there
+        for (const Interval& i : segment.intervals) {
+            const bool here = i.t0 <= t && t < i.t1;
+            if (here) majorant += global_majorant(*i.medium, channel);
+            if (here || t < i.t0) change = std::min(change, here ? i.t1 : i.t0);
+        }
         const float next = majorant > 0 ? t + rng.next_exponential() / majorant : kInfinity;
+        const float step = std::min(next, change) - t;
         float sigma_t = 0, sigma_s = 0, g = 0;
         for (const Interval& i : segment.intervals) {
-            const float overlap = std::min(next, i.t1) - std::max(t, i.t0);
-            if (overlap > 0 && overlap < kInfinity && i.medium->emission[channel] > 0) {
-                const float at = std::max(t, i.t0) + overlap * rng.next();
-                const float scale = i.medium->density_scales_emission ? density(*i.medium, segment.ray.at(at), counters) : 1;
-                emitted += i.medium->emission[channel] * scale * overlap;
+            if (t < i.t0 || t >= i.t1) continue;
+            if (step < kInfinity && i.medium->emission[channel] > 0) {
+                const Vec3f p = segment.ray.at(t + step * rng.next());
+                emitted += i.medium->emission[channel] * step *
+                           (i.medium->density_scales_emission ? density(*i.medium, p, counters) : 1);
             }
-            if (next < i.t0 || next > i.t1) continue;
+            if (next >= change) continue;
             const float d = density(*i.medium, segment.ray.at(next), counters);
             sigma_t += d * i.medium->sigma_t[channel];
             const float s = d * i.medium->sigma_s[channel];
             sigma_s += s;
             if (s > 0 && rng.next() * sigma_s < s) g = i.medium->g;
         }
-        if (next >= end) break;
-        t = next;
+        t = std::min(next, change);
+        if (next >= change) continue;
         const float u = rng.next() * majorant;
         if (u < sigma_s) return {Collision::What::scattered, t, g};
         if (u < sigma_t) return {Collision::What::absorbed, t, 0};

@@ -23,8 +23,9 @@ inline void record_transmittance(const Scene& scene, const Settings& settings, c
                                  PathSampler& sampler, Workspace& ws, PixelSample& out) {
     if (!request.transmittance || !scene.features().media) return;
     scene.find_media(ray, kCameraRay, ws.shadow);
+    Rng rng = sampler.aside();  // so that asking for this pass does not change the others
     out.transmittance =
-        estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global, sampler.rng(), ws.counters);
+        estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global, rng, ws.counters);
 }
 
 }  // namespace nephele

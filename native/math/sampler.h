@@ -111,6 +111,8 @@ public:
     }
     float next() { return next2().x; }
     Rng& rng() { return rng_; }
+    /// Numbers of their own for something beside the path, which must not shift the path's.
+    Rng aside() const { return Rng(hash_combine(pixel_seed_, std::uint64_t{sample_} | std::uint64_t{1} << 32)); }
 
 private:
     std::uint64_t pixel_seed_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // An immutable sparse scalar grid in index space, laid out for fast random lookups.
 //
-// Voxel (i, j, k) has its centre at the integer point (i, j, k). Two levels: a dense table over blocks of 128^3
-// voxels; a block is one constant, or 16^3 entries, each a constant or the number of a brick of 8^3 voxels.
-// Outside the table lies the background. Constants are never expanded to voxels.
+// Voxel (i, j, k) has its centre at the integer point (i, j, k). Two levels: a dense table over blocks of
+// 128^3 voxels; a block is one constant, or 16^3 entries, each a constant or the number of a brick of 8^3
+// voxels. Outside the table lies the background. Constants are never expanded to voxels.
 //
 //     blocks_[x >> 7, y >> 7, z >> 7]          < 0: constants_[~entry]
 //       -> cells_[block, x >> 3, y >> 3, z >> 3]   < 0: constants_[~entry]
@@ -47,7 +47,8 @@ struct IndexBox {
 /// How bricks keep their voxels. `half_float` is lossless only for values that are halves already.
 enum class VoxelType { half_float, single_float };
 
-/// Value of an IEEE half. (Imath's own header puts the name `half` into the global namespace of all who include it.)
+/// Value of an IEEE half. (Imath's own header puts the name `half` into the global namespace of all who
+/// include it.)
 inline float half_to_float(std::uint16_t bits) {
 #ifdef __F16C__
     return _cvtsh_ss(bits);
@@ -66,7 +67,7 @@ inline int floor_to_int(float x) {
 }
 
 class BrickGrid {
-public:
+  public:
     static constexpr int kBrickSize = 8, kBrickVoxels = 512;
     static constexpr int kBlockSize = 128, kCellsPerBlock = 4096;
     static constexpr std::size_t kMaxBlocks = std::size_t{1} << 24;
@@ -75,14 +76,16 @@ public:
     float lookup(int i, int j, int k) const;
     /// Trilinear interpolation at a point of index space.
     float trilinear(Vec3f p_index) const;
-    /// The voxel at a random corner of p's interpolation cell; its expectation over u in [0,1)^3 is `trilinear(p)`.
+    /// The voxel at a random corner of p's interpolation cell; its expectation over u in [0,1)^3 is
+    /// `trilinear(p)`.
     float stochastic(Vec3f p_index, Vec3f u) const;
 
     float background() const { return background_; }
     VoxelType voxel_type() const { return halves_ ? VoxelType::half_float : VoxelType::single_float; }
     /// Smallest box that holds every voxel whose value differs from the background.
     const IndexBox& bounds() const { return bounds_; }
-    /// Box of the source's active voxels. Where the background is not 0, this is what tells the volume's extent.
+    /// Box of the source's active voxels. Where the background is not 0, this is what tells the volume's
+    /// extent.
     const IndexBox& active_bounds() const { return active_bounds_; }
     /// Number of active voxels of the source, those of tiles included.
     std::int64_t active_voxels() const { return active_voxels_; }
@@ -100,7 +103,7 @@ public:
     /// The common value of the 128^3 voxels around (i, j, k), if the table knows the block to be constant.
     bool constant_block_at(int i, int j, int k, float& value) const;
 
-private:
+  private:
     friend class BrickGridBuilder;
     struct Free {
         void operator()(void* p) const { std::free(p); }
@@ -110,12 +113,15 @@ private:
     BrickGrid() = default;
     float voxel(std::size_t index) const { return halves_ ? half_to_float(halves_[index]) : floats_[index]; }
     std::int32_t block_entry(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-        return blocks_[(std::size_t{x >> 7} * blocks_per_axis_[1] + (y >> 7)) * blocks_per_axis_[2] + (z >> 7)];
+        return blocks_[(std::size_t{x >> 7} * blocks_per_axis_[1] + (y >> 7)) * blocks_per_axis_[2] +
+                       (z >> 7)];
     }
-    /// Entry of the cell at table coordinates (x, y, z), which lie inside: a brick number, or ~(number of a constant).
+    /// Entry of the cell at table coordinates (x, y, z), which lie inside: a brick number, or ~(number of a
+    /// constant).
     std::int32_t entry(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
         const std::int32_t block = block_entry(x, y, z);
-        if (block < 0) return block;
+        if (block < 0)
+            return block;
         return cells_[static_cast<std::size_t>(block) * kCellsPerBlock +
                       ((x << 5 & 0xf00) | (y << 1 & 0xf0) | (z >> 3 & 0xf))];
     }
@@ -127,7 +133,8 @@ private:
     }
     float lookup_table(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
 
-    std::array<std::uint32_t, 3> origin_{}, size_{};  // of the table, in voxels; two's complement, multiples of 128
+    std::array<std::uint32_t, 3> origin_{},
+        size_{};  // of the table, in voxels; two's complement, multiples of 128
     std::array<std::uint32_t, 3> blocks_per_axis_{};
     std::vector<std::int32_t> blocks_, cells_;
     std::vector<float> constants_{0.0f};
@@ -142,10 +149,10 @@ private:
 
 /// Fills a BrickGrid, once, from one thread. Later tiles and bricks replace earlier ones at the same place.
 class BrickGridBuilder {
-public:
-    /// `extent` bounds all that will be set; `brick_capacity` bounds the number of bricks: their memory is reserved
-    /// at once but only touched as bricks arrive, so that nothing is ever copied. Throws std::length_error where
-    /// the extent needs more than kMaxBlocks blocks.
+  public:
+    /// `extent` bounds all that will be set; `brick_capacity` bounds the number of bricks: their memory is
+    /// reserved at once but only touched as bricks arrive, so that nothing is ever copied. Throws
+    /// std::length_error where the extent needs more than kMaxBlocks blocks.
     BrickGridBuilder(const IndexBox& extent, float background, VoxelType type, std::size_t brick_capacity);
 
     /// Sets the cube of `size` voxels (a multiple of 8; its corner too) to a constant; clipped to the table.
@@ -155,7 +162,7 @@ public:
     /// The grid. Both arguments only describe the source, see BrickGrid.
     std::shared_ptr<const BrickGrid> finish(std::int64_t active_voxels, const IndexBox& active_bounds);
 
-private:
+  private:
     std::int32_t constant_entry(float value);
     std::int32_t& cell_of(std::array<std::uint32_t, 3> p);
     std::int32_t& block_of(std::array<std::uint32_t, 3> p);
@@ -173,17 +180,21 @@ std::shared_ptr<const BrickGrid> brick_grid_of_dense(std::array<int, 3> corner, 
                                                      const float* values, float background = 0,
                                                      VoxelType type = VoxelType::single_float);
 
-// --- Hot path ---------------------------------------------------------------------------------------------------
+// --- Hot path
+// ---------------------------------------------------------------------------------------------------
 
 inline float BrickGrid::lookup_table(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    if (!inside(x, y, z)) return background_;
+    if (!inside(x, y, z))
+        return background_;
     const std::int32_t e = entry(x, y, z);
-    if (e < 0) return constants_[static_cast<std::size_t>(~e)];
+    if (e < 0)
+        return constants_[static_cast<std::size_t>(~e)];
     return voxel(static_cast<std::size_t>(e) * kBrickVoxels + voxel_in_brick(x, y, z));
 }
 
 inline float BrickGrid::lookup(int i, int j, int k) const {
-    return lookup_table(static_cast<std::uint32_t>(i) - origin_[0], static_cast<std::uint32_t>(j) - origin_[1],
+    return lookup_table(static_cast<std::uint32_t>(i) - origin_[0],
+                        static_cast<std::uint32_t>(j) - origin_[1],
                         static_cast<std::uint32_t>(k) - origin_[2]);
 }
 
@@ -195,18 +206,22 @@ inline float BrickGrid::stochastic(Vec3f p, Vec3f u) const {
 
 inline float BrickGrid::trilinear(Vec3f p) const {
     const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
-    const float fx = p.x - static_cast<float>(i), fy = p.y - static_cast<float>(j), fz = p.z - static_cast<float>(k);
+    const float fx = p.x - static_cast<float>(i), fy = p.y - static_cast<float>(j),
+                fz = p.z - static_cast<float>(k);
     const std::uint32_t x = static_cast<std::uint32_t>(i) - origin_[0];
     const std::uint32_t y = static_cast<std::uint32_t>(j) - origin_[1];
     const std::uint32_t z = static_cast<std::uint32_t>(k) - origin_[2];
     float v[8];
     if (inside(x, y, z) && (x & 7) != 7 && (y & 7) != 7 && (z & 7) != 7) {  // all 8 corners in one cell
         const std::int32_t e = entry(x, y, z);
-        if (e < 0) return constants_[static_cast<std::size_t>(~e)];
+        if (e < 0)
+            return constants_[static_cast<std::size_t>(~e)];
         const std::size_t first = static_cast<std::size_t>(e) * kBrickVoxels + voxel_in_brick(x, y, z);
-        for (std::size_t c = 0; c < 8; ++c) v[c] = voxel(first + ((c & 4) << 4 | (c & 2) << 2 | (c & 1)));
+        for (std::size_t c = 0; c < 8; ++c)
+            v[c] = voxel(first + ((c & 4) << 4 | (c & 2) << 2 | (c & 1)));
     } else {
-        for (std::uint32_t c = 0; c < 8; ++c) v[c] = lookup_table(x + (c >> 2), y + (c >> 1 & 1), z + (c & 1));
+        for (std::uint32_t c = 0; c < 8; ++c)
+            v[c] = lookup_table(x + (c >> 2), y + (c >> 1 & 1), z + (c & 1));
     }
     const float x00 = lerp(v[0], v[4], fx), x01 = lerp(v[1], v[5], fx);
     const float x10 = lerp(v[2], v[6], fx), x11 = lerp(v[3], v[7], fx);

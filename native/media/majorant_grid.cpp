@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Building of majorant grids.
 //
-// What merges: a uniformly random line meets a cube of edge s and volume s^3 in proportion to its surface, and stays
-// inside for 2 s / 3 on average. Summed over all lines, a cube with majorant M therefore costs
+// What merges: a uniformly random line meets a cube of edge s and volume s^3 in proportion to its surface,
+// and stays inside for 2 s / 3 on average. Summed over all lines, a cube with majorant M therefore costs
 //     s^3 * M * sigma_scale * kCandidateCost   (candidates: lookups, random numbers)
 //     + 1.5 s^2 * kStepCost                    (steps of the walk)
-// and eight sub-cubes become one where that costs no more than the best of the eight. With minorants, M is the
-// majorant less the minorant, for what lies below a minorant needs no lookup.
+// and eight sub-cubes become one where that costs no more than the best of the eight. With minorants, M is
+// the majorant less the minorant, for what lies below a minorant needs no lookup.
 #include "media/majorant_grid.h"
 
 #include <algorithm>
@@ -18,15 +18,17 @@ namespace nephele {
 
 namespace {
 
-// In units of one candidate. bench/grid_lookup.cpp: a step takes 30 to 40 ns, a candidate 45 to 140 ns; the total is flat
-// within 10 % for step costs from 0.3 to 1.2.
+// In units of one candidate. bench/grid_lookup.cpp: a step takes 30 to 40 ns, a candidate 45 to 140 ns; the
+// total is flat within 10 % for step costs from 0.3 to 1.2.
 constexpr float kCandidateCost = 1.0f, kStepCost = 0.5f;
 
-// Extremes of a brick's voxels, {max, min}, over 8 subsets: where a bit of the index is set (4: x, 2: y, 1: z), only
-// the brick's first layer along that axis counts. The cell below such a brick sees just that layer.
+// Extremes of a brick's voxels, {max, min}, over 8 subsets: where a bit of the index is set (4: x, 2: y, 1:
+// z), only the brick's first layer along that axis counts. The cell below such a brick sees just that layer.
 using Extremes = std::array<Vec2f, 8>;
 
-void include(Vec2f& e, Vec2f other) { e = {std::max(e.x, other.x), std::min(e.y, other.y)}; }
+void include(Vec2f& e, Vec2f other) {
+    e = {std::max(e.x, other.x), std::min(e.y, other.y)};
+}
 
 Extremes extremes_of(const float* voxels) {
     Extremes out;
@@ -38,7 +40,8 @@ Extremes extremes_of(const float* voxels) {
             const float* row = voxels + x * 64 + y * 8;
             const Vec2f first{row[0], row[0]};
             Vec2f all = first;
-            for (int z = 1; z < 8; ++z) include(all, {row[z], row[z]});
+            for (int z = 1; z < 8; ++z)
+                include(all, {row[z], row[z]});
             include(slab[0], all);
             include(slab[1], first);
             if (y == 0) {
@@ -48,7 +51,8 @@ Extremes extremes_of(const float* voxels) {
         }
         for (std::size_t s = 0; s < 4; ++s) {
             include(out[s], slab[s]);
-            if (x == 0) out[4 + s] = slab[s];
+            if (x == 0)
+                out[4 + s] = slab[s];
         }
     }
     return out;
@@ -81,7 +85,8 @@ void merge_upwards(std::array<Level, 5>& levels, float sigma_scale, bool with_mi
                         divided = 0;
                         level.bounds[i] = {-kInfinity, kInfinity};
                         for (int c = 0; c < 8; ++c) {
-                            const std::size_t j = below.index(2 * x + (c >> 2), 2 * y + (c >> 1 & 1), 2 * z + (c & 1));
+                            const std::size_t j =
+                                below.index(2 * x + (c >> 2), 2 * y + (c >> 1 & 1), 2 * z + (c & 1));
                             include(level.bounds[i], below.bounds[j]);
                             divided += below.costs[j];
                         }
@@ -109,8 +114,11 @@ std::size_t MajorantGrid::bytes() const {
 }
 
 MajorantGrid::MajorantGrid(const BrickGrid& grid, float sigma_scale, bool with_minorants)
-    : background_(grid.background()), global_majorant_(grid.background()), global_minorant_(grid.background()) {
-    if (grid.bounds().empty()) return;
+    : background_(grid.background()),
+      global_majorant_(grid.background()),
+      global_minorant_(grid.background()) {
+    if (grid.bounds().empty())
+        return;
     std::vector<Extremes> extremes(grid.brick_count());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, extremes.size(), 64), [&](const auto& range) {
         float voxels[BrickGrid::kBrickVoxels];
@@ -121,11 +129,13 @@ MajorantGrid::MajorantGrid(const BrickGrid& grid, float sigma_scale, bool with_m
     });
     make_table(grid, with_minorants);
     tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
-        if (blocks_[b].node < 0) return;
+        if (blocks_[b].node < 0)
+            return;
         const std::size_t nz = blocks_per_axis_[2], ny = blocks_per_axis_[1];
         const std::array<std::size_t, 3> position{b / nz / ny, b / nz % ny, b % nz};
         std::array<int, 3> first{};
-        for (std::size_t a = 0; a < 3; ++a) first[a] = origin_[a] + static_cast<int>(position[a]) * 128;
+        for (std::size_t a = 0; a < 3; ++a)
+            first[a] = origin_[a] + static_cast<int>(position[a]) * 128;
         build_block(grid, extremes, sigma_scale, first, blocks_[b]);
     });
     for (const Block& block : blocks_) {
@@ -135,7 +145,8 @@ MajorantGrid::MajorantGrid(const BrickGrid& grid, float sigma_scale, bool with_m
     drop_uniform_nodes();
     if (!with_minorants) {
         global_minorant_ = 0;
-        for (Block& block : blocks_) block.minorant = 0;
+        for (Block& block : blocks_)
+            block.minorant = 0;
     }
 }
 
@@ -143,7 +154,8 @@ MajorantGrid::MajorantGrid(const BrickGrid& grid, float sigma_scale, bool with_m
 void MajorantGrid::make_table(const BrickGrid& grid, bool with_minorants) {
     const IndexBox& bounds = grid.bounds();
     for (std::size_t a = 0; a < 3; ++a) {
-        const int first_voxel = bounds.min[a] - 1;  // the first whose interpolation sees more than the background
+        const int first_voxel =
+            bounds.min[a] - 1;  // the first whose interpolation sees more than the background
         origin_[a] = first_voxel & -8;
         cells_[a] = ((bounds.max[a] - origin_[a]) >> 3) + 1;
         blocks_per_axis_[a] = static_cast<std::uint32_t>((cells_[a] + 15) / 16);
@@ -161,28 +173,32 @@ void MajorantGrid::make_table(const BrickGrid& grid, bool with_minorants) {
         bool constant = grid.constant_block_at(x, y, z, value);
         // The 129^3 voxels that this block sees lie in up to 8 blocks of the grid.
         for (int c = 1; c < 8 && constant; ++c) {
-            constant = grid.constant_block_at(x + (c & 4 ? 128 : 0), y + (c & 2 ? 128 : 0), z + (c & 1 ? 128 : 0), other) &&
+            constant = grid.constant_block_at(x + (c & 4 ? 128 : 0), y + (c & 2 ? 128 : 0),
+                                              z + (c & 1 ? 128 : 0), other) &&
                        other == value;
         }
         blocks_[b] = {constant ? -1 : nodes++, pack(value, 4), value};
     }
     packed_.resize(static_cast<std::size_t>(nodes) * kCellsPerBlock);
-    if (with_minorants) minorants_.resize(packed_.size());
+    if (with_minorants)
+        minorants_.resize(packed_.size());
 }
 
-void MajorantGrid::build_block(const BrickGrid& grid, const std::vector<Extremes>& extremes, float sigma_scale,
-                               std::array<int, 3> first_voxel, Block& block) {
+void MajorantGrid::build_block(const BrickGrid& grid, const std::vector<Extremes>& extremes,
+                               float sigma_scale, std::array<int, 3> first_voxel, Block& block) {
     std::array<Level, 5> levels{Level(0), Level(1), Level(2), Level(3), Level(4)};
-    // 1. Extremes over the 9^3 voxels of each cell: its own brick's, and the facing layers of the next bricks.
+    // 1. Extremes over the 9^3 voxels of each cell: its own brick's, and the facing layers of the next
+    // bricks.
     for (int i = 0; i < kCellsPerBlock; ++i) {
         const std::array<int, 3> cell{i >> 8, i >> 4 & 15, i & 15};
         Vec2f bound{-kInfinity, kInfinity};
         for (int s = 0; s < 8; ++s) {
-            const BrickGrid::Cell c =
-                grid.cell_at(first_voxel[0] + 8 * (cell[0] + (s >> 2)), first_voxel[1] + 8 * (cell[1] + (s >> 1 & 1)),
-                             first_voxel[2] + 8 * (cell[2] + (s & 1)));
-            include(bound, c.brick < 0 ? Vec2f{c.constant, c.constant}
-                                       : extremes[static_cast<std::size_t>(c.brick)][static_cast<std::size_t>(s)]);
+            const BrickGrid::Cell c = grid.cell_at(first_voxel[0] + 8 * (cell[0] + (s >> 2)),
+                                                   first_voxel[1] + 8 * (cell[1] + (s >> 1 & 1)),
+                                                   first_voxel[2] + 8 * (cell[2] + (s & 1)));
+            include(bound, c.brick < 0
+                               ? Vec2f{c.constant, c.constant}
+                               : extremes[static_cast<std::size_t>(c.brick)][static_cast<std::size_t>(s)]);
         }
         if (bound.x > bound.y) {  // room for the rounding of interpolation, a few units in the last place
             bound.x += bound.x * 0x1p-21f;
@@ -197,10 +213,12 @@ void MajorantGrid::build_block(const BrickGrid& grid, const std::vector<Extremes
         std::size_t l = 4, j = 0;
         for (;; --l) {
             j = levels[l].index(i >> (8 + l), (i >> 4 & 15) >> l, (i & 15) >> l);
-            if (levels[l].merged[j]) break;
+            if (levels[l].merged[j])
+                break;
         }
         packed_[base + static_cast<std::size_t>(i)] = pack(levels[l].bounds[j].x, static_cast<int>(l));
-        if (!minorants_.empty()) minorants_[base + static_cast<std::size_t>(i)] = levels[l].bounds[j].y;
+        if (!minorants_.empty())
+            minorants_[base + static_cast<std::size_t>(i)] = levels[l].bounds[j].y;
     }
     block.packed = pack(levels[4].bounds[0].x, 4);
     block.minorant = levels[4].bounds[0].y;
@@ -210,7 +228,8 @@ void MajorantGrid::build_block(const BrickGrid& grid, const std::vector<Extremes
 void MajorantGrid::drop_uniform_nodes() {
     std::size_t kept = 0;
     for (Block& block : blocks_) {  // nodes are numbered in the order of the blocks
-        if (block.node < 0) continue;
+        if (block.node < 0)
+            continue;
         const std::size_t from = static_cast<std::size_t>(block.node) * kCellsPerBlock;
         if ((packed_[from] & 7u) == 4u) {
             block.node = -1;
@@ -222,12 +241,14 @@ void MajorantGrid::drop_uniform_nodes() {
                       values.begin() + static_cast<std::ptrdiff_t>(kept * kCellsPerBlock));
         };
         copy_down(packed_);
-        if (!minorants_.empty()) copy_down(minorants_);
+        if (!minorants_.empty())
+            copy_down(minorants_);
         block.node = static_cast<std::int32_t>(kept++);
     }
     packed_.resize(kept * kCellsPerBlock);
     packed_.shrink_to_fit();
-    if (!minorants_.empty()) minorants_.resize(packed_.size());
+    if (!minorants_.empty())
+        minorants_.resize(packed_.size());
     minorants_.shrink_to_fit();
 }
 

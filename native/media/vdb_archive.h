@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frame of an OpenVDB file: header, grid descriptors, metadata, transforms. Only vdb_file.cpp may include this.
+// The frame of an OpenVDB file: header, grid descriptors, metadata, transforms. Only vdb_file.cpp may include
+// this.
 //
-// openvdb::io::File is not used: it holds a whole tree beside the result, copies files to a temporary folder, refuses
-// files that hold any type of grid it does not know, and trusts all counts. This stream throws at its end.
+// openvdb::io::File is not used: it holds a whole tree beside the result, copies files to a temporary folder,
+// refuses files that hold any type of grid it does not know, and trusts all counts. This stream throws at its
+// end.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +41,7 @@ struct VdbDescriptor {
 
 /// Reads the parts of a file; throws std::runtime_error, std::ios_base::failure or openvdb::Exception.
 class VdbReader : public openvdb::io::Archive {
-public:
+  public:
     explicit VdbReader(const std::string& path);
 
     const std::vector<VdbDescriptor>& descriptors() const { return descriptors_; }
@@ -54,7 +56,7 @@ public:
     /// OpenVDB's own grid, of any type, with its topology and perhaps its voxels.
     openvdb::GridBase::Ptr read_openvdb_grid(const VdbDescriptor& d, bool with_voxels);
 
-private:
+  private:
     std::string read_name();
     openvdb::MetaMap read_metadata();
     VdbDescriptor read_descriptor(std::int64_t& end);
@@ -80,8 +82,10 @@ inline VdbReader::VdbReader(const std::string& path) : stream_(path, std::ios::b
     size_ = stream_.tellg();
     stream_.seekg(0);
     std::int64_t magic = 0;
-    if (size_ >= 8) stream_.read(reinterpret_cast<char*>(&magic), 8);
-    if (magic != openvdb::OPENVDB_MAGIC) throw std::runtime_error("is not an OpenVDB file");
+    if (size_ >= 8)
+        stream_.read(reinterpret_cast<char*>(&magic), 8);
+    if (magic != openvdb::OPENVDB_MAGIC)
+        throw std::runtime_error("is not an OpenVDB file");
     stream_.seekg(0);
     readHeader(stream_);
     openvdb::io::setStreamMetadataPtr(stream_, stream_metadata_, false);
@@ -99,7 +103,8 @@ inline VdbReader::VdbReader(const std::string& path) : stream_(path, std::ios::b
 inline std::string VdbReader::read_name() {
     std::uint32_t length = 0;
     stream_.read(reinterpret_cast<char*>(&length), sizeof(length));
-    if (length > 65536) throw std::runtime_error("is damaged: a name of " + std::to_string(length) + " letters");
+    if (length > 65536)
+        throw std::runtime_error("is damaged: a name of " + std::to_string(length) + " letters");
     std::string name(length, '\0');
     stream_.read(name.data(), length);
     return name;
@@ -129,7 +134,8 @@ inline void VdbReader::read_descriptors() {
         std::int64_t end = 0;
         VdbDescriptor d = read_descriptor(end);
         if (inputHasGridOffsets()) {
-            if (d.position < stream_.tellg() || end < d.position) throw std::runtime_error("is damaged");
+            if (d.position < stream_.tellg() || end < d.position)
+                throw std::runtime_error("is damaged");
             if (end > size_) {
                 throw std::runtime_error("is truncated: grid \"" + d.shown_name() + "\" ends at byte " +
                                          std::to_string(end) + ", the file at byte " + std::to_string(size_));
@@ -146,32 +152,41 @@ inline void VdbReader::read_descriptors() {
 
 inline void VdbReader::skip_grid(const VdbDescriptor& d) {
     read_transform(d);
-    if (!d.parent.empty()) return;
+    if (!d.parent.empty())
+        return;
     const bool is_scalar = with_vdb_tree(stream_, d.type, d.half, [](auto& tree) {
         decltype(tree.background()) values[BrickGrid::kBrickVoxels];
-        for (std::size_t n = tree.leaves().size(); n > 0; --n) tree.read_leaf(values);
+        for (std::size_t n = tree.leaves().size(); n > 0; --n)
+            tree.read_leaf(values);
     });
-    if (!is_scalar) read_openvdb_grid(d, true);
+    if (!is_scalar)
+        read_openvdb_grid(d, true);
 }
 
 inline const VdbDescriptor& VdbReader::find(const std::string& grid_name) const {
     std::string names;
     for (const VdbDescriptor& d : descriptors_) {
-        if (d.shown_name() == grid_name) return d;
+        if (d.shown_name() == grid_name)
+            return d;
         names += (names.empty() ? "" : ", ") + d.shown_name();
     }
     for (const VdbDescriptor& d : descriptors_) {
-        if (d.name == grid_name) return d;
+        if (d.name == grid_name)
+            return d;
     }
-    throw std::runtime_error("has no grid \"" + grid_name + "\"; its grids: " + (names.empty() ? "none" : names));
+    throw std::runtime_error("has no grid \"" + grid_name +
+                             "\"; its grids: " + (names.empty() ? "none" : names));
 }
 
 inline const VdbDescriptor& VdbReader::tree_owner(const VdbDescriptor& d) const {
-    if (d.parent.empty()) return d;
+    if (d.parent.empty())
+        return d;
     for (const VdbDescriptor& other : descriptors_) {
-        if (other.unique_name == d.parent && other.parent.empty()) return other;
+        if (other.unique_name == d.parent && other.parent.empty())
+            return other;
     }
-    throw std::runtime_error("is damaged: the grid that \"" + d.shown_name() + "\" shares its voxels with is absent");
+    throw std::runtime_error("is damaged: the grid that \"" + d.shown_name() +
+                             "\" shares its voxels with is absent");
 }
 
 inline openvdb::MetaMap VdbReader::read_metadata(const VdbDescriptor& d) {
@@ -189,11 +204,13 @@ inline openvdb::MetaMap VdbReader::read_metadata() {
         const std::string name = read_name(), type = read_name();
         std::uint32_t size = 0;
         stream_.read(reinterpret_cast<char*>(&size), sizeof(size));
-        if (size > size_ - stream_.tellg()) throw std::runtime_error("is damaged: metadata \"" + name + "\" is too long");
+        if (size > size_ - stream_.tellg())
+            throw std::runtime_error("is damaged: metadata \"" + name + "\" is too long");
         std::vector<char> bytes(sizeof(size) + size);
         std::memcpy(bytes.data(), &size, sizeof(size));
         stream_.read(bytes.data() + sizeof(size), size);
-        if (!openvdb::Metadata::isRegisteredType(type) || type == "__delayedload") continue;
+        if (!openvdb::Metadata::isRegisteredType(type) || type == "__delayedload")
+            continue;
         MemoryStream memory;
         memory.set(bytes);
         const openvdb::Metadata::Ptr value = openvdb::Metadata::createMetadata(type);
@@ -219,7 +236,8 @@ inline openvdb::GridBase::Ptr VdbReader::read_openvdb_grid(const VdbDescriptor& 
     read_transform(d);
     openvdb::io::setGridBackgroundValuePtr(stream_, nullptr);
     grid->readTopology(stream_);
-    if (with_voxels) grid->readBuffers(stream_);
+    if (with_voxels)
+        grid->readBuffers(stream_);
     return grid;
 }
 

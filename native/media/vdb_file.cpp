@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Conversion of OpenVDB grids into BrickGrids: the voxels of each leaf go straight from the stream into their brick.
+// Conversion of OpenVDB grids into BrickGrids: the voxels of each leaf go straight from the stream into their
+// brick.
 
 // OpenVDB's headers assert what damaged files break; an assertion would take the host down with it.
 #ifndef NDEBUG
@@ -32,13 +33,15 @@ struct ValueMap {
     float fog_scale = 0;  // level sets: 1 / the background, which is half the width of their narrow band
     std::int64_t replaced = 0;
 
-    /// Level sets: 0 outside, growing inwards to 1 across half the narrow band. Others: the value; NaN, infinite and
-    /// negative ones become 0, and count as `voxels` replaced.
+    /// Level sets: 0 outside, growing inwards to 1 across half the narrow band. Others: the value; NaN,
+    /// infinite and negative ones become 0, and count as `voxels` replaced.
     template <typename Value>
     float operator()(const Value& value, std::int64_t voxels) {
         auto v = static_cast<float>(value);
-        if (is_level_set) v = v < 0 ? std::min(-v * fog_scale, 1.0f) : v >= 0 ? 0 : v;
-        if (v >= 0 && v <= std::numeric_limits<float>::max()) return v;
+        if (is_level_set)
+            v = v < 0 ? std::min(-v * fog_scale, 1.0f) : v >= 0 ? 0 : v;
+        if (v >= 0 && v <= std::numeric_limits<float>::max())
+            return v;
         replaced += voxels;
         return 0;
     }
@@ -53,8 +56,10 @@ IndexBox extent_of(const Reader& tree) {
         box.include({corner[0], corner[1], corner[2]});
         box.include({corner[0] + last, corner[1] + last, corner[2] + last});
     };
-    for (const auto& tile : tree.tiles()) include(tile.corner, tile.edge);
-    for (const auto& leaf : tree.leaves()) include(leaf.corner, BrickGrid::kBrickSize);
+    for (const auto& tile : tree.tiles())
+        include(tile.corner, tile.edge);
+    for (const auto& leaf : tree.leaves())
+        include(leaf.corner, BrickGrid::kBrickSize);
     return box;
 }
 
@@ -69,7 +74,8 @@ std::shared_ptr<const BrickGrid> bricks_of(Reader& tree, VoxelType type, ValueMa
     float voxels[BrickGrid::kBrickVoxels];
     for (const auto& leaf : tree.leaves()) {
         tree.read_leaf(values);
-        for (int v = 0; v < BrickGrid::kBrickVoxels; ++v) voxels[v] = map(values[v], 1);
+        for (int v = 0; v < BrickGrid::kBrickVoxels; ++v)
+            voxels[v] = map(values[v], 1);
         builder.set_brick({leaf.corner[0], leaf.corner[1], leaf.corner[2]}, voxels);
     }
     return builder.finish(tree.active_voxels(), tree.active_bounds());
@@ -77,7 +83,8 @@ std::shared_ptr<const BrickGrid> bricks_of(Reader& tree, VoxelType type, ValueMa
 
 void store_transform(const openvdb::math::Transform& transform, LoadedGrid& out) {
     if (!transform.isLinear()) {
-        throw std::runtime_error("has a frustum transform, which is not affine: resample it to a regular grid");
+        throw std::runtime_error(
+            "has a frustum transform, which is not affine: resample it to a regular grid");
     }
     const openvdb::Mat4d world = transform.baseMap()->getAffineMap()->getMat4();  // for row vectors
     const openvdb::Mat4d index = world.inverse();
@@ -86,7 +93,8 @@ void store_transform(const openvdb::math::Transform& transform, LoadedGrid& out)
             const auto at = static_cast<std::size_t>(4 * r + c);
             out.world_from_index[at] = world(c, r);
             out.index_from_world[at] = index(c, r);
-            if (!std::isfinite(index(c, r))) throw std::runtime_error("has a singular transform");
+            if (!std::isfinite(index(c, r)))
+                throw std::runtime_error("has a singular transform");
         }
     }
 }
@@ -107,7 +115,8 @@ LoadedGrid read_grid(VdbReader& reader, const VdbDescriptor& d) {
             out.warnings.push_back("is a level set: its inside is taken as a fog of density 1");
         }
         const bool half = std::is_same_v<Value, bool> || (std::is_floating_point_v<Value> && owner.half);
-        out.grid = bricks_of(tree, half && !map.is_level_set ? VoxelType::half_float : VoxelType::single_float, map);
+        out.grid =
+            bricks_of(tree, half && !map.is_level_set ? VoxelType::half_float : VoxelType::single_float, map);
         if (map.replaced > 0) {
             out.warnings.push_back("has " + std::to_string(map.replaced) +
                                    " voxels that are NaN, infinite or negative: they count as 0");
@@ -133,7 +142,8 @@ GridInfo read_info(VdbReader& reader, const VdbDescriptor& d) {
     const auto max = metadata.getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MAX);
     const auto set_box = [&](const auto& lo, const auto& hi) {
         const IndexBox box{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
-        if (!box.empty()) info.active_bounds = box;  // empty ones come in all shapes
+        if (!box.empty())
+            info.active_bounds = box;  // empty ones come in all shapes
     };
     if (count && min && max) {
         info.active_voxels = count->value();
@@ -175,12 +185,12 @@ auto naming(const std::string& what, const F& f) {
 
 LoadedGrid load_grid(const std::string& path, const std::string& grid_name) {
     const auto reader = naming(path, [&] { return std::make_unique<VdbReader>(path); });
-    const VdbDescriptor& d = naming(path, [&]() -> std::reference_wrapper<const VdbDescriptor> {
-        return reader->find(grid_name);
-    });
+    const VdbDescriptor& d = naming(
+        path, [&]() -> std::reference_wrapper<const VdbDescriptor> { return reader->find(grid_name); });
     const std::string what = path + ": grid \"" + d.shown_name() + '"';
     LoadedGrid out = naming(what, [&] { return read_grid(*reader, d); });
-    for (std::string& warning : out.warnings) warning = what + ' ' + warning;
+    for (std::string& warning : out.warnings)
+        warning = what + ' ' + warning;
     return out;
 }
 
@@ -188,7 +198,8 @@ std::vector<GridInfo> list_grids(const std::string& path) {
     return naming(path, [&] {
         VdbReader reader(path);
         std::vector<GridInfo> out;
-        for (const VdbDescriptor& d : reader.descriptors()) out.push_back(read_info(reader, d));
+        for (const VdbDescriptor& d : reader.descriptors())
+            out.push_back(read_info(reader, d));
         return out;
     });
 }

@@ -24,17 +24,17 @@ struct LoadedGrid {
 /// What a file tells of a grid without its voxels.
 struct GridInfo {
     std::string name;
-    std::string type;  ///< OpenVDB's name of the value type: "float", "vec3s", ...
-    bool half = false; ///< values are stored as halves
+    std::string type;   ///< OpenVDB's name of the value type: "float", "vec3s", ...
+    bool half = false;  ///< values are stored as halves
     std::int64_t active_voxels = 0;
     IndexBox active_bounds;
     std::map<std::string, std::string> metadata;
 };
 
-/// Loads one scalar grid (float, double, int32, int64, bool; halves stay halves). NaN, infinite and negative values
-/// become 0 with a warning; a level set becomes the fog of its interior with a warning. Memory peaks near the size
-/// of the result. Thread-safe. Throws std::runtime_error naming file, grid and remedy where the file is missing,
-/// no VDB or damaged, the grid is absent, not scalar, not affine, or too large.
+/// Loads one scalar grid (float, double, int32, int64, bool; halves stay halves). NaN, infinite and negative
+/// values become 0 with a warning; a level set becomes the fog of its interior with a warning. Memory peaks
+/// near the size of the result. Thread-safe. Throws std::runtime_error naming file, grid and remedy where the
+/// file is missing, no VDB or damaged, the grid is absent, not scalar, not affine, or too large.
 LoadedGrid load_grid(const std::string& path, const std::string& grid_name);
 
 /// All grids of a file, in the file's order. Throws like load_grid.

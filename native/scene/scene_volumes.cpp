@@ -19,7 +19,7 @@ Region box_region(const VolumeSource& volume, const LoadedGrid& loaded, Transfor
     world_from_index = transform_of(matrix);
     Region region(volume.name, Region::Kind::box, volume.visibility);
     region.index_from_world = inverse_of(matrix);
-    const IndexBox& box = loaded.grid->bounds();
+    const IndexBox& box = loaded.grid->active_bounds();
     for (int a = 0; a < 3; ++a) {  // interpolation reaches one voxel beyond the last value
         region.box_min[a] = static_cast<float>(box.min[static_cast<std::size_t>(a)] - 1);
         region.box_max[a] = static_cast<float>(box.max[static_cast<std::size_t>(a)] + 1);
@@ -76,7 +76,7 @@ void Scene::add_volume(const VolumeSource& volume) {
         first = false;
         Transform world_from_index;
         Region region = box_region(volume, loaded, world_from_index);
-        if (loaded.grid->bounds().empty()) continue;
+        if (loaded.grid->active_bounds().empty()) continue;
         std::optional<DensityField> field;
         if (read) {
             // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.

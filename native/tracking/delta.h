@@ -58,6 +58,28 @@ inline Coefficients coefficients_at(TrackingScratch& scratch, const Ray& ray, fl
 
 }  // namespace detail
 
+namespace detail {
+
+/// Where only endless media are left, channels that they do not touch are sure to get away, and the others are sure not
+/// to: decides between the two, and leaves beta with the channels decided for. True: the path gets away. Without this a
+/// path of an untouched channel would meet null collisions for ever.
+inline bool escape_endless_media(const TrackingScratch& scratch, Rgb& beta, Rng& rng) {
+    Rgb sigma_t;
+    for (const MajorantTrack& track : scratch.tracks) {
+        if (track.piece_end() < kInfinity) return false;
+        sigma_t += track.interval().medium->sigma_t;
+    }
+    Rgb free = beta, bound = beta;
+    for (int c = 0; c < 3; ++c) (sigma_t[c] > 0 ? free : bound)[c] = 0;
+    if (is_zero(free)) return false;
+    const float p = mean(free) / mean(beta);
+    const bool escapes = rng.next() < p;
+    beta = escapes ? free / p : bound / (1 - p);
+    return escapes;
+}
+
+}  // namespace detail
+
 /// Samples a flight through the segment and updates beta. `analog`: absorption ends paths instead of weighing them.
 inline Flight sample_flight(const Segment& segment, TrackingScratch& scratch, bool analog, bool global_majorant,
                             Rgb& beta, Rng& rng, Counters& counters) {
@@ -76,6 +98,7 @@ inline Flight sample_flight(const Segment& segment, TrackingScratch& scratch, bo
         }
     };
     const auto decide = [&](float t, float majorant, const auto&) {
+        if (detail::escape_endless_media(scratch, beta, rng)) return false;
         const Coefficients c = detail::coefficients_at(scratch, segment.ray, t, rng, counters);
         const float real = mean(beta * c.sigma_t), all = mean(beta) * majorant;
         const float p = std::min(real / all, 1.0f);

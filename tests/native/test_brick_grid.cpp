@@ -37,7 +37,8 @@ struct Dense {
     }
     float at(int i, int j, int k) const {
         i -= corner[0], j -= corner[1], k -= corner[2];
-        if (i < 0 || j < 0 || k < 0 || i >= size[0] || j >= size[1] || k >= size[2]) return background;
+        if (i < 0 || j < 0 || k < 0 || i >= size[0] || j >= size[1] || k >= size[2])
+            return background;
         return values[static_cast<std::size_t>((i * size[1] + j) * size[2] + k)];
     }
     std::shared_ptr<const BrickGrid> grid(VoxelType type) const {
@@ -46,7 +47,8 @@ struct Dense {
 };
 
 class BrickGridOfType : public testing::TestWithParam<VoxelType> {};
-INSTANTIATE_TEST_SUITE_P(Types, BrickGridOfType, testing::Values(VoxelType::single_float, VoxelType::half_float));
+INSTANTIATE_TEST_SUITE_P(Types, BrickGridOfType,
+                         testing::Values(VoxelType::single_float, VoxelType::half_float));
 
 TEST_P(BrickGridOfType, ReturnsEveryVoxelOfADenseArrayAndTheBackgroundAround) {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -58,8 +60,10 @@ TEST_P(BrickGridOfType, ReturnsEveryVoxelOfADenseArrayAndTheBackgroundAround) {
             for (int j = dense.corner[1] - 9; j < dense.corner[1] + dense.size[1] + 9; ++j) {
                 for (int k = dense.corner[2] - 9; k < dense.corner[2] + dense.size[2] + 9; ++k) {
                     const float expected = dense.at(i, j, k);
-                    ASSERT_EQ(grid->lookup(i, j, k), expected) << i << ' ' << j << ' ' << k << " seed " << seed;
-                    if (expected == dense.background) continue;
+                    ASSERT_EQ(grid->lookup(i, j, k), expected)
+                        << i << ' ' << j << ' ' << k << " seed " << seed;
+                    if (expected == dense.background)
+                        continue;
                     box.min = {std::min(box.min[0], i), std::min(box.min[1], j), std::min(box.min[2], k)};
                     box.max = {std::max(box.max[0], i), std::max(box.max[1], j), std::max(box.max[2], k)};
                 }
@@ -77,14 +81,17 @@ TEST_P(BrickGridOfType, TrilinearMatchesTheFormulaInDoublePrecision) {
         Vec3f p;
         for (int a = 0; a < 3; ++a) {
             const auto i = static_cast<std::size_t>(a);
-            p[a] = static_cast<float>(dense.corner[i] - 3) + rng.next() * static_cast<float>(dense.size[i] + 6);
-            if (n % 4 == a) p[a] = std::floor(p[a]);  // on voxel centres, too
+            p[a] =
+                static_cast<float>(dense.corner[i] - 3) + rng.next() * static_cast<float>(dense.size[i] + 6);
+            if (n % 4 == a)
+                p[a] = std::floor(p[a]);  // on voxel centres, too
         }
         const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
         const double f[3] = {double{p.x} - i, double{p.y} - j, double{p.z} - k};
         double expected = 0;
         for (int c = 0; c < 8; ++c) {
-            const double w = (c & 4 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 1 ? f[2] : 1 - f[2]);
+            const double w =
+                (c & 4 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 1 ? f[2] : 1 - f[2]);
             expected += w * double{dense.at(i + (c >> 2), j + (c >> 1 & 1), k + (c & 1))};
         }
         ASSERT_NEAR(double{grid->trilinear(p)}, expected, 1e-6);
@@ -167,7 +174,8 @@ TEST(BrickGrid, LaterPartsReplaceEarlierOnes) {
     BrickGridBuilder builder({{0, 0, 0}, {127, 127, 127}}, 0, VoxelType::single_float, 1);
     builder.set_tile({0, 0, 0}, 128, 1.0f);
     std::vector<float> ramp(512);
-    for (std::size_t v = 0; v < ramp.size(); ++v) ramp[v] = static_cast<float>(v);
+    for (std::size_t v = 0; v < ramp.size(); ++v)
+        ramp[v] = static_cast<float>(v);
     builder.set_brick({8, 16, 24}, ramp.data());
     EXPECT_THROW(builder.set_brick({16, 16, 24}, ramp.data()), std::length_error);
     EXPECT_THROW(builder.set_brick({128, 0, 0}, ramp.data()), std::out_of_range);
@@ -208,7 +216,8 @@ TEST(BrickGrid, RefusesTablesThatAreTooLargeOrTooFarAway) {
     EXPECT_NO_THROW(build({{-16384, -16384, -16384}, {16383, 16383, 16383}}));  // 2^24 blocks
     EXPECT_THROW(build({{-16385, -16384, -16384}, {16383, 16383, 16383}}), std::length_error);
     EXPECT_THROW(build({{-1 << 25, 0, 0}, {0, 0, 0}}), std::length_error);
-    EXPECT_THROW(build({{INT32_MIN, INT32_MIN, INT32_MIN}, {INT32_MAX, INT32_MAX, INT32_MAX}}), std::length_error);
+    EXPECT_THROW(build({{INT32_MIN, INT32_MIN, INT32_MIN}, {INT32_MAX, INT32_MAX, INT32_MAX}}),
+                 std::length_error);
 }
 
 }  // namespace

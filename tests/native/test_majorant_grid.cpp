@@ -16,7 +16,9 @@ namespace {
 
 using GridPtr = std::shared_ptr<const BrickGrid>;
 
-int pick(Rng& rng, int n) { return static_cast<int>(rng.next() * static_cast<float>(n)); }
+int pick(Rng& rng, int n) {
+    return static_cast<int>(rng.next() * static_cast<float>(n));
+}
 
 /// Bricks, cells, blocks and voids at random, around the origin of index space.
 GridPtr random_grid(std::uint64_t seed) {
@@ -38,11 +40,14 @@ GridPtr random_grid(std::uint64_t seed) {
         }
         return c;
     };
-    for (int n = pick(rng, 3); n > 0; --n) builder.set_tile(corner(128), 128, value());
-    for (int n = pick(rng, 60); n > 0; --n) builder.set_tile(corner(8), 8, n % 4 ? value() : 0.0f);
+    for (int n = pick(rng, 3); n > 0; --n)
+        builder.set_tile(corner(128), 128, value());
+    for (int n = pick(rng, 60); n > 0; --n)
+        builder.set_tile(corner(8), 8, n % 4 ? value() : 0.0f);
     for (int n = pick(rng, 400); n > 0; --n) {
         float voxels[BrickGrid::kBrickVoxels];
-        for (float& v : voxels) v = rng.next() < 0.7f ? 0.0f : value();
+        for (float& v : voxels)
+            v = rng.next() < 0.7f ? 0.0f : value();
         builder.set_brick(corner(8), voxels);
     }
     return builder.finish(0, {});
@@ -53,7 +58,8 @@ struct TestRay {
     float t_min = 0, t_max = kInfinity;
 };
 
-/// Rays that start inside, outside, far away, on faces and edges; oblique, axis-parallel, nearly so, along faces.
+/// Rays that start inside, outside, far away, on faces and edges; oblique, axis-parallel, nearly so, along
+/// faces.
 TestRay random_ray(Rng& rng, const MajorantGrid& grid) {
     TestRay ray;
     const int kind = pick(rng, 8);
@@ -63,26 +69,35 @@ TestRay random_ray(Rng& rng, const MajorantGrid& grid) {
     ray.o = kind & 1 ? inside() : lo + size * (Vec3f(rng.next(), rng.next(), rng.next()) * 4 - Vec3f(1.5f));
     if (kind & 2) {  // on the corners of cells
         for (int a = 0; a < 3; ++a) {
-            if (rng.next() < 0.7f) ray.o[a] = 8 * std::floor(ray.o[a] / 8);
-            if (rng.next() < 0.7f) target[a] = 8 * std::floor(target[a] / 8);
+            if (rng.next() < 0.7f)
+                ray.o[a] = 8 * std::floor(ray.o[a] / 8);
+            if (rng.next() < 0.7f)
+                target[a] = 8 * std::floor(target[a] / 8);
         }
     }
-    if (kind == 0) ray.o = target + (ray.o - target) * 1e5f;  // positions are good to about a voxel only
+    if (kind == 0)
+        ray.o = target + (ray.o - target) * 1e5f;  // positions are good to about a voxel only
     ray.d = safe_normalize(target - ray.o);
     if (kind & 4) {
         for (int a = 0; a < 3; ++a) {
-            if (rng.next() < 0.5f) ray.d[a] = rng.next() < 0.5f ? 0 : 1e-30f;
+            if (rng.next() < 0.5f)
+                ray.d[a] = rng.next() < 0.5f ? 0 : 1e-30f;
         }
     }
-    if (is_zero(ray.d)) ray.d = {0, 0, -1};
-    if (rng.next() < 0.3f) ray.d *= rng.next() < 0.5f ? 1e-3f : 40.0f;  // of any length
-    if (rng.next() < 0.5f) ray.t_max = rng.next() * 2 * length(size) / length(ray.d);
-    if (rng.next() < 0.3f) ray.t_min = std::min(ray.t_max, 300.0f) * rng.next();
+    if (is_zero(ray.d))
+        ray.d = {0, 0, -1};
+    if (rng.next() < 0.3f)
+        ray.d *= rng.next() < 0.5f ? 1e-3f : 40.0f;  // of any length
+    if (rng.next() < 0.5f)
+        ray.t_max = rng.next() * 2 * length(size) / length(ray.d);
+    if (rng.next() < 0.3f)
+        ray.t_min = std::min(ray.t_max, 300.0f) * rng.next();
     return ray;
 }
 
 /// Checks that nothing interpolation can return at p exceeds the bounds.
-void expect_bounded(const BrickGrid& grid, Vec3f p, float minorant, float majorant, const std::string& where) {
+void expect_bounded(const BrickGrid& grid, Vec3f p, float minorant, float majorant,
+                    const std::string& where) {
     const float trilinear = grid.trilinear(p);
     ASSERT_LE(trilinear, majorant) << where;
     ASSERT_GE(trilinear, minorant) << where;
@@ -97,18 +112,18 @@ void expect_bounded(const BrickGrid& grid, Vec3f p, float minorant, float majora
 std::string describe(const TestRay& r, float t) {
     std::ostringstream s;
     s.precision(9);
-    s << "o " << r.o.x << ' ' << r.o.y << ' ' << r.o.z << " d " << r.d.x << ' ' << r.d.y << ' ' << r.d.z << " in ["
-      << r.t_min << ", " << r.t_max << "] at " << t;
+    s << "o " << r.o.x << ' ' << r.o.y << ' ' << r.o.z << " d " << r.d.x << ' ' << r.d.y << ' ' << r.d.z
+      << " in [" << r.t_min << ", " << r.t_max << "] at " << t;
     return s.str();
 }
 
 TEST(MajorantWalk, PiecesCoverTheRayAndBoundEveryLookup) {
-    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
         const GridPtr grid = random_grid(seed);
         const float sigma_scale = std::array{1e-4f, 0.01f, 1.0f, 1e3f}[seed / 2 % 4];
         const MajorantGrid majorants(*grid, sigma_scale, seed % 5 != 0);
         Rng rng(seed + 1000);
-        for (int n = 0; n < 300; ++n) {
+        for (int n = 0; n < 200; ++n) {
             const TestRay ray = random_ray(rng, majorants);
             MajorantWalk walk(majorants, ray.o, ray.d, ray.t_min, ray.t_max);
             MajorantPiece piece;
@@ -121,13 +136,18 @@ TEST(MajorantWalk, PiecesCoverTheRayAndBoundEveryLookup) {
                 const float end = std::min(piece.t_end, t + 1000);  // a finite part of infinite pieces
                 for (int s = 0; s < 8; ++s) {
                     float at = t + rng.next() * (end - t);
-                    if (s == 0) at = t;
-                    if (s == 1) at = end;
-                    if (s == 2) at = std::nextafter(t, end);
-                    if (s == 3) at = std::nextafter(end, t);
+                    if (s == 0)
+                        at = t;
+                    if (s == 1)
+                        at = end;
+                    if (s == 2)
+                        at = std::nextafter(t, end);
+                    if (s == 3)
+                        at = std::nextafter(end, t);
                     const Vec3f p = walk.point(at);
                     expect_bounded(*grid, p, walk.minorant(), piece.majorant, describe(ray, at));
-                    if (HasFatalFailure()) return;
+                    if (HasFatalFailure())
+                        return;
                 }
                 t = piece.t_end;
             }
@@ -141,7 +161,7 @@ TEST(MajorantWalk, LookupPointsStayOnTheRayButForRounding) {
         const GridPtr grid = random_grid(seed);
         const MajorantGrid majorants(*grid, 0.05f);
         Rng rng(seed + 2000);
-        for (int n = 0; n < 300; ++n) {
+        for (int n = 0; n < 200; ++n) {
             const TestRay ray = random_ray(rng, majorants);
             MajorantWalk walk(majorants, ray.o, ray.d, ray.t_min, ray.t_max);
             MajorantPiece piece;
@@ -152,14 +172,20 @@ TEST(MajorantWalk, LookupPointsStayOnTheRayButForRounding) {
                     const float at = t + rng.next() * (end - t);
                     const Vec3f on_ray = ray.o + ray.d * at, p = walk.point(at);
                     float rounding = 0;  // of o, d t, their sum, and of t at the ends of the piece
-                    for (int a = 0; a < 3; ++a) rounding = std::max({rounding, std::fabs(ray.o[a]), std::fabs(ray.d[a] * at)});
+                    for (int a = 0; a < 3; ++a)
+                        rounding = std::max({rounding, std::fabs(ray.o[a]), std::fabs(ray.d[a] * at)});
                     rounding = rounding * 0x1p-20f + 1e-5f;
-                    if (length(p - on_ray) <= 2 * rounding) continue;
-                    // Otherwise p stands for the background: then there is nothing but background around the ray.
+                    if (length(p - on_ray) <= 2 * rounding)
+                        continue;
+                    // Otherwise p stands for the background: then there is nothing but background around the
+                    // ray.
                     for (int c = 0; c < 8; ++c) {
-                        const Vec3f q = on_ray + Vec3f(c & 1 ? 1.0f : -1.0f, c & 2 ? 1.0f : -1.0f, c & 4 ? 1.0f : -1.0f) * rounding;
+                        const Vec3f q =
+                            on_ray + Vec3f(c & 1 ? 1.0f : -1.0f, c & 2 ? 1.0f : -1.0f, c & 4 ? 1.0f : -1.0f) *
+                                         rounding;
                         ASSERT_EQ(grid->trilinear(p), grid->background());
-                        ASSERT_NEAR(grid->trilinear(q), grid->background(), 4 * 3 * 2 * rounding) << describe(ray, at);
+                        ASSERT_NEAR(grid->trilinear(q), grid->background(), 4 * 3 * 2 * rounding)
+                            << describe(ray, at);
                     }
                 }
                 t = piece.t_end;
@@ -178,14 +204,16 @@ TEST(MajorantGrid, UnmergedBoundsAreThoseOfTheNineCubedVoxels) {
                     float most = 0, least = kInfinity;
                     for (int v = 0; v < 729; ++v) {
                         const auto& o = majorants.origin();
-                        const float value = grid->lookup(o[0] + 8 * x + v / 81, o[1] + 8 * y + v / 9 % 9, o[2] + 8 * z + v % 9);
+                        const float value = grid->lookup(o[0] + 8 * x + v / 81, o[1] + 8 * y + v / 9 % 9,
+                                                         o[2] + 8 * z + v % 9);
                         most = std::max(most, value);
                         least = std::min(least, value);
                     }
                     const auto bound = majorants.bound_at(x, y, z);
                     ASSERT_GE(bound.majorant, most);
                     ASSERT_LE(bound.minorant, least);
-                    // Where equal values were merged, the bounds are as good; otherwise only rounding is added.
+                    // Where equal values were merged, the bounds are as good; otherwise only rounding is
+                    // added.
                     ASSERT_LE(bound.majorant, most * (1 + 0x1p-19f));
                     ASSERT_GE(bound.minorant, least * (1 - 0x1p-19f));
                     if (most == least) {
@@ -252,12 +280,15 @@ TEST(MajorantWalk, SkipsEmptySpaceInOnePiece) {
     const GridPtr grid = builder.finish(0, {});
     const MajorantGrid majorants(*grid, 100, true);
     for (const bool reversed : {false, true}) {
-        MajorantWalk walk(majorants, Vec3f(reversed ? 9000.0f : -1000.0f, 3.5f, 3.5f), Vec3f(reversed ? -1.0f : 1.0f, 0, 0), 0, kInfinity);
+        MajorantWalk walk(majorants, Vec3f(reversed ? 9000.0f : -1000.0f, 3.5f, 3.5f),
+                          Vec3f(reversed ? -1.0f : 1.0f, 0, 0), 0, kInfinity);
         std::vector<MajorantPiece> pieces;
-        for (MajorantPiece piece; walk.next(piece);) pieces.push_back(piece);
+        for (MajorantPiece piece; walk.next(piece);)
+            pieces.push_back(piece);
         // Emptiness, the cube of 16 that sees the first brick, emptiness, that of the second, emptiness.
         ASSERT_EQ(pieces.size(), 5u);
-        for (const std::size_t empty : {0u, 2u, 4u}) EXPECT_EQ(pieces[empty].majorant, 0.0f);
+        for (const std::size_t empty : {0u, 2u, 4u})
+            EXPECT_EQ(pieces[empty].majorant, 0.0f);
         EXPECT_NEAR(pieces[1].majorant, reversed ? 2.0f : 1.0f, 1e-5f);
         EXPECT_NEAR(pieces[3].majorant, reversed ? 1.0f : 2.0f, 1e-5f);
         EXPECT_EQ(pieces.back().t_end, kInfinity);
@@ -293,13 +324,16 @@ TEST(MajorantWalk, EmptyIntervalsHaveNoPieces) {
 TEST(MajorantWalk, EndsAndStaysInTheTableWhateverTheRay) {
     const GridPtr grid = random_grid(1);
     const MajorantGrid majorants(*grid, 1);
-    const float odd[] = {0, -0.0f, 1e-38f, -1e-44f, 8, 1e20f, -3e38f, kInfinity, std::numeric_limits<float>::quiet_NaN()};
+    const float odd[] = {
+        0, -0.0f, 1e-38f, -1e-44f, 8, 1e20f, -3e38f, kInfinity, std::numeric_limits<float>::quiet_NaN()};
     Rng rng(9);
     for (int n = 0; n < 20000; ++n) {
         TestRay ray = random_ray(rng, majorants);
         for (int a = 0; a < 3; ++a) {
-            if (rng.next() < 0.4f) ray.o[a] = odd[pick(rng, 9)];
-            if (rng.next() < 0.4f) ray.d[a] = odd[pick(rng, 9)];
+            if (rng.next() < 0.4f)
+                ray.o[a] = odd[pick(rng, 9)];
+            if (rng.next() < 0.4f)
+                ray.d[a] = odd[pick(rng, 9)];
         }
         MajorantWalk walk(majorants, ray.o, ray.d, ray.t_min, ray.t_max);
         int pieces = 0;
@@ -307,7 +341,8 @@ TEST(MajorantWalk, EndsAndStaysInTheTableWhateverTheRay) {
             ASSERT_LT(++pieces, 1000);
             const float t = std::min(piece.t_end, 1000.0f);
             expect_bounded(*grid, walk.point(t), 0, piece.majorant, describe(ray, t));
-            if (HasFatalFailure()) return;
+            if (HasFatalFailure())
+                return;
         }
         ASSERT_TRUE(pieces > 0 || !(ray.t_min < ray.t_max)) << describe(ray, 0);
     }

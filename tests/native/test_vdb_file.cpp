@@ -1,103 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading of OpenVDB files: files are written with OpenVDB itself, read back, and damaged in every way we know.
+// Reading of OpenVDB files: files are written with OpenVDB itself, read back, and damaged in every way we
+// know.
 #include "media/vdb_file.h"
 
 #include <gtest/gtest.h>
-#include <malloc.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <limits>
 #include <thread>
 
-#include "math/sampler.h"
+#include "vdb_fixture.h"
 
 namespace nephele {
 namespace {
 
-namespace fs = std::filesystem;
-using openvdb::Coord;
-
-constexpr std::uint32_t kPlain = openvdb::io::COMPRESS_NONE, kMasked = openvdb::io::COMPRESS_ACTIVE_MASK,
-                        kZip = openvdb::io::COMPRESS_ZIP | kMasked, kBlosc = openvdb::io::COMPRESS_BLOSC | kMasked;
-
-class VdbFile : public testing::Test {
-protected:
-    void SetUp() override {
-        openvdb::initialize();
-        folder_ = fs::temp_directory_path() / ("nephele_vdb_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        path_ = (folder_ / "grids.vdb").string();
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
-    void write(const openvdb::GridCPtrVec& grids, std::uint32_t compression = kBlosc) {
-        openvdb::io::File file(path_);
-        file.setCompression(compression);
-        file.write(grids);
-    }
-    /// The message of the std::runtime_error that f throws, or an empty string.
-    template <typename F>
-    static std::string error_of(const F& f) {
-        try {
-            f();
-        } catch (const std::runtime_error& e) {
-            return e.what();
-        }
-        return {};
-    }
-    std::string load_error(const std::string& name) {
-        return error_of([&] { load_grid(path_, name); });
-    }
-
-    fs::path folder_;
-    std::string path_;
-};
-
-/// Random values in clumps, tiles of each size, at negative and positive indices.
-template <typename Grid>
-typename Grid::Ptr random_grid(std::uint64_t seed, typename Grid::ValueType background, const std::string& name = "density") {
-    using Value = typename Grid::ValueType;
-    auto grid = Grid::create(background);
-    grid->setName(name);
-    Rng rng(seed);
-    const auto pick = [&](int n) { return static_cast<int>(rng.next() * static_cast<float>(n)); };
-    auto accessor = grid->getAccessor();
-    for (int clump = 0; clump < 20; ++clump) {
-        const Coord centre(pick(500) - 250, pick(500) - 250, pick(500) - 250);
-        for (int n = 0; n < 400; ++n) {
-            const Coord at = centre + Coord(pick(12), pick(12), pick(12));
-            const auto value = static_cast<Value>(rng.next() * 50);
-            n % 10 == 0 ? accessor.setValueOff(at, value) : accessor.setValue(at, value);
-        }
-    }
-    grid->tree().addTile(1, Coord(-300, 8, 16), static_cast<Value>(3), true);
-    grid->tree().addTile(2, Coord(256, -128, 0), static_cast<Value>(1), true);
-    grid->tree().addTile(1, Coord(400, 8, 16), static_cast<Value>(2), false);  // inactive tiles have values, too
-    return grid;
-}
-
 template <typename Grid>
 void expect_equal(const Grid& source, const BrickGrid& loaded) {
     auto accessor = source.getConstAccessor();
-    for (int i = -320; i < 420; i += 1) {
-        for (int j = -270; j < 280; j += 3) {
-            for (int k = -270 + (i + j) % 3; k < 280; k += 3) {
-                ASSERT_EQ(loaded.lookup(i, j, k), static_cast<float>(accessor.getValue(Coord(i, j, k)))) << i << ' ' << j << ' ' << k;
+    for (int i = -320; i < 420; i += 2) {
+        for (int j = -270; j < 280; j += 5) {
+            for (int k = -270 + (i + j) % 5; k < 280; k += 5) {
+                ASSERT_EQ(loaded.lookup(i, j, k), static_cast<float>(accessor.getValue(Coord(i, j, k))))
+                    << i << ' ' << j << ' ' << k;
             }
         }
     }
+    for (auto v = source.cbeginValueOn(); v; ++v) {
+        const Coord c = v.getCoord();
+        ASSERT_EQ(loaded.lookup(c[0], c[1], c[2]), static_cast<float>(*v));
+    }
     EXPECT_EQ(loaded.active_voxels(), static_cast<std::int64_t>(source.activeVoxelCount()));
     const auto box = source.evalActiveVoxelBoundingBox();
-    EXPECT_EQ(loaded.active_bounds(), (IndexBox{{box.min()[0], box.min()[1], box.min()[2]}, {box.max()[0], box.max()[1], box.max()[2]}}));
+    EXPECT_EQ(loaded.active_bounds(), (IndexBox{{box.min()[0], box.min()[1], box.min()[2]},
+                                                {box.max()[0], box.max()[1], box.max()[2]}}));
 }
 
 template <typename Grid>
 class VdbFileOf : public VdbFile {};
-using ScalarGrids = testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::BoolGrid>;
+using ScalarGrids =
+    testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::BoolGrid>;
 TYPED_TEST_SUITE(VdbFileOf, ScalarGrids);
 
 TYPED_TEST(VdbFileOf, GivesEveryValueBackUnderEveryCompression) {
@@ -136,9 +79,11 @@ TEST_F(VdbFile, MasksAreOneWhereTheyAreOn) {
 
 TEST_F(VdbFile, AnyAffineTransformComesInColumnConvention) {
     // A mirror, a shear, a rotation and unequal scales at once; OpenVDB writes it for row vectors.
-    const openvdb::Mat4d m(-2.0, 0.5, 0.0, 0.0, 0.25, 0.75, -1.0, 0.0, 0.1, 1.0, 3.0, 0.0, 10.0, -20.0, 30.0, 1.0);
+    const openvdb::Mat4d m(-2.0, 0.5, 0.0, 0.0, 0.25, 0.75, -1.0, 0.0, 0.1, 1.0, 3.0, 0.0, 10.0, -20.0, 30.0,
+                           1.0);
     const auto grid = random_grid<openvdb::FloatGrid>(6, 0);
-    for (const auto& transform : {openvdb::math::Transform::createLinearTransform(m), openvdb::math::Transform::createLinearTransform(0.05)}) {
+    for (const auto& transform : {openvdb::math::Transform::createLinearTransform(m),
+                                  openvdb::math::Transform::createLinearTransform(0.05)}) {
         grid->setTransform(transform);
         write({grid});
         const LoadedGrid loaded = load_grid(path_, "density");
@@ -147,7 +92,8 @@ TEST_F(VdbFile, AnyAffineTransformComesInColumnConvention) {
             const double* w = &loaded.world_from_index[4 * r];
             const double* i = &loaded.index_from_world[4 * r];
             EXPECT_NEAR(w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3], world[static_cast<int>(r)], 1e-12);
-            EXPECT_NEAR(i[0] * world[0] + i[1] * world[1] + i[2] * world[2] + i[3], p[static_cast<int>(r)], 1e-9);
+            EXPECT_NEAR(i[0] * world[0] + i[1] * world[1] + i[2] * world[2] + i[3], p[static_cast<int>(r)],
+                        1e-9);
         }
         EXPECT_EQ(loaded.index_from_world[15], 1.0);
     }
@@ -155,7 +101,8 @@ TEST_F(VdbFile, AnyAffineTransformComesInColumnConvention) {
 
 TEST_F(VdbFile, RefusesWhatIsNotAnAffineScalarGrid) {
     const auto frustum = random_grid<openvdb::FloatGrid>(7, 0, "frustum");
-    frustum->setTransform(openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(100)), 0.5, 10, 0.1));
+    frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(100)), 0.5, 10, 0.1));
     const auto velocity = openvdb::Vec3SGrid::create();
     velocity->setName("velocity");
     write({frustum, velocity});
@@ -194,7 +141,8 @@ TEST_F(VdbFile, RefusesHugeExtents) {
     EXPECT_NE(load_error("density").find("2^24 blocks"), std::string::npos) << load_error("density");
     grid->tree().setValue(Coord(2147483647, 0, 0), 1);
     write({grid});
-    EXPECT_NE(load_error("density").find("origin of index space"), std::string::npos) << load_error("density");
+    EXPECT_NE(load_error("density").find("origin of index space"), std::string::npos)
+        << load_error("density");
 }
 
 TEST_F(VdbFile, WrongValuesBecomeZeroAndAreCounted) {
@@ -207,22 +155,28 @@ TEST_F(VdbFile, WrongValuesBecomeZeroAndAreCounted) {
     grid->tree().addTile(1, Coord(8, 0, 0), -2, true);
     write({grid});
     const LoadedGrid loaded = load_grid(path_, "density");
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(loaded.grid->lookup(i, 0, 0), 0.0f);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(loaded.grid->lookup(i, 0, 0), 0.0f);
     EXPECT_EQ(loaded.grid->lookup(3, 0, 0), 0.5f);
     EXPECT_EQ(loaded.grid->lookup(9, 1, 1), 0.0f);
     ASSERT_EQ(loaded.warnings.size(), 1u);
-    EXPECT_EQ(loaded.warnings[0], path_ + ": grid \"density\" has 515 voxels that are NaN, infinite or negative: they count as 0");
+    EXPECT_EQ(
+        loaded.warnings[0],
+        path_ + ": grid \"density\" has 515 voxels that are NaN, infinite or negative: they count as 0");
 }
 
 TEST_F(VdbFile, LevelSetsBecomeTheFogOfTheirInside) {
     const auto sphere = openvdb::FloatGrid::create(3);
     sphere->setName("density");
     sphere->setGridClass(openvdb::GRID_LEVEL_SET);
-    for (int v = 0; v < 50 * 50 * 50; ++v) {  // distances to the sphere of radius 20 around (5, 0, 0), cut at +-3
+    for (int v = 0; v < 50 * 50 * 50;
+         ++v) {  // distances to the sphere of radius 20 around (5, 0, 0), cut at +-3
         const Coord at(v / 2500 - 20, v / 50 % 50 - 25, v % 50 - 25);
         const auto distance = static_cast<float>((at - Coord(5, 0, 0)).asVec3d().length() - 20);
-        if (std::fabs(distance) < 3) sphere->tree().setValueOn(at, distance);
-        if (distance <= -3) sphere->tree().setValueOff(at, -3);
+        if (std::fabs(distance) < 3)
+            sphere->tree().setValueOn(at, distance);
+        if (distance <= -3)
+            sphere->tree().setValueOff(at, -3);
     }
     write({sphere});
     const LoadedGrid loaded = load_grid(path_, "density");
@@ -252,7 +206,8 @@ TEST_F(VdbFile, SharedTreesAndEqualNamesAreFound) {
 }
 
 TEST_F(VdbFile, ReadsFilesWrittenAsStreams) {  // these hold no offsets
-    const auto first = random_grid<openvdb::FloatGrid>(8, 0, "first"), second = random_grid<openvdb::FloatGrid>(9, 0, "second");
+    const auto first = random_grid<openvdb::FloatGrid>(8, 0, "first"),
+               second = random_grid<openvdb::FloatGrid>(9, 0, "second");
     std::ofstream out(path_, std::ios::binary);
     openvdb::io::Stream(out).write(openvdb::GridCPtrVec{first, second});
     out.close();
@@ -289,118 +244,16 @@ TEST_F(VdbFile, LoadsFromManyThreadsAtOnce) {
     write({grid});
     std::array<LoadedGrid, 4> loaded;
     std::vector<std::thread> threads;
-    for (LoadedGrid& l : loaded) threads.emplace_back([&] { l = load_grid(path_, "density"); });
-    for (std::thread& t : threads) t.join();
-    for (const LoadedGrid& l : loaded) expect_equal(*grid, *l.grid);
+    for (LoadedGrid& l : loaded)
+        threads.emplace_back([&] { l = load_grid(path_, "density"); });
+    for (std::thread& t : threads)
+        t.join();
+    for (const LoadedGrid& l : loaded)
+        expect_equal(*grid, *l.grid);
 }
 
-// --- Damage -----------------------------------------------------------------------------------------------------
-
-std::vector<char> bytes_of(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-TEST_F(VdbFile, EveryTruncationIsAnError) {
-    write({random_grid<openvdb::FloatGrid>(8, 0.5f), random_grid<openvdb::FloatGrid>(9, 0, "other")});
-    const std::vector<char> whole = bytes_of(path_);
-    ASSERT_GT(whole.size(), 10000u);
-    for (std::size_t length = 0; length < whole.size(); length += length < 2000 ? 1 : 9973) {
-        std::ofstream(path_, std::ios::binary | std::ios::trunc).write(whole.data(), static_cast<std::streamsize>(length));
-        const std::string error = load_error("density");
-        ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
-    }
-}
-
-TEST_F(VdbFile, EveryTruncationOfAStreamIsAnError) {
-    std::ofstream out(path_, std::ios::binary);
-    openvdb::io::Stream(out).write(openvdb::GridCPtrVec{random_grid<openvdb::FloatGrid>(8, 0.5f)});
-    out.close();
-    const std::vector<char> whole = bytes_of(path_);
-    for (std::size_t length = 1; length < whole.size(); length += length < 1000 ? 13 : 4999) {
-        std::ofstream(path_, std::ios::binary | std::ios::trunc).write(whole.data(), static_cast<std::streamsize>(length));
-        const std::string error = load_error("density");
-        ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
-    }
-}
-
-class DamagedVdbFile : public VdbFile, public testing::WithParamInterface<bool> {};
-INSTANTIATE_TEST_SUITE_P(WrittenAsStream, DamagedVdbFile, testing::Bool());
-
-TEST_P(DamagedVdbFile, FlippedBytesNeverCrash) {
-    const bool stream = GetParam();
-    int errors = 0, loads = 0;
-    for (const std::uint32_t compression : {kPlain, kZip, kBlosc}) {
-        const auto grid = random_grid<openvdb::FloatGrid>(8, 0.5f);
-        if (stream) {
-            std::ofstream out(path_, std::ios::binary);
-            openvdb::io::Stream archive(out);
-            archive.setCompression(compression);
-            archive.write(openvdb::GridCPtrVec{grid});
-        } else {
-            write({grid}, compression);
-        }
-        const std::vector<char> whole = bytes_of(path_);
-        Rng rng(compression + 77);
-        for (int n = 0; n < 200; ++n) {
-            std::vector<char> damaged = whole;
-            for (int flips = n % 5; flips >= 0; --flips) {
-                // Half of the damage goes to the first kilobytes, where the counts are.
-                const auto range = static_cast<float>(n % 2 ? damaged.size() : std::min<std::size_t>(damaged.size(), 3000));
-                damaged[static_cast<std::size_t>(rng.next() * range)] = static_cast<char>(rng.next_uint());
-            }
-            std::ofstream(path_, std::ios::binary | std::ios::trunc).write(damaged.data(), static_cast<std::streamsize>(damaged.size()));
-            const std::string error = load_error("density");
-            error.empty() ? ++loads : ++errors;
-            ASSERT_TRUE(error.empty() || error.compare(0, path_.size(), path_) == 0) << error;
-        }
-    }
-    EXPECT_GT(errors, 50);  // the test would be idle if nothing were noticed,
-    EXPECT_GT(loads, 50);   // or if all damage hit the header
-}
-
-// --- Memory -----------------------------------------------------------------------------------------------------
-
-#if !defined(__SANITIZE_ADDRESS__)
-/// Resident memory in KiB: `VmRSS`, or the peak since the last reset, `VmHWM`.
-double status_kib(const std::string& key) {
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;) {
-        double kib = 0;
-        if (word == key + ":" && status >> kib) return kib;
-    }
-    return 0;
-}
-
-TEST_F(VdbFile, LoadingTakesLittleMoreMemoryThanTheResult) {
-    constexpr int kSize = 208;  // 9 million voxels, all different
-    for (const bool half : {false, true}) {
-        {
-            const auto grid = openvdb::FloatGrid::create();
-            grid->setName("density");
-            grid->setSaveFloatAsHalf(half);
-            auto accessor = grid->getAccessor();
-            Rng rng(1);
-            for (int i = 0; i < kSize; ++i) {
-                for (int j = 0; j < kSize; ++j) {
-                    for (int k = 0; k < kSize; ++k) accessor.setValue(Coord(i, j, k), rng.next() + 0.01f);
-                }
-            }
-            write({grid});
-        }
-        malloc_trim(0);
-        if (!(std::ofstream("/proc/self/clear_refs") << 5)) GTEST_SKIP() << "the kernel does not reset peaks";
-        const double before = status_kib("VmRSS");
-        const LoadedGrid loaded = load_grid(path_, "density");
-        const double peak = (status_kib("VmHWM") - before) * 1024;
-        const double voxel_bytes = std::pow(kSize, 3) * (half ? 2 : 4);
-        EXPECT_LT(peak, (half ? 1.4 : 1.2) * voxel_bytes);
-        EXPECT_GT(peak, 0.9 * voxel_bytes);  // or the measurement is broken
-    }
-}
-#endif
-
-// --- Files of others --------------------------------------------------------------------------------------------
+// --- Files of others
+// --------------------------------------------------------------------------------------------
 
 struct KnownFile {
     const char* file;
@@ -408,20 +261,24 @@ struct KnownFile {
     VoxelType type;
 };
 
-void PrintTo(const KnownFile& known, std::ostream* out) { *out << known.file; }
+void PrintTo(const KnownFile& known, std::ostream* out) {
+    *out << known.file;
+}
 
 class RealVdbFile : public testing::TestWithParam<KnownFile> {};
-INSTANTIATE_TEST_SUITE_P(Files, RealVdbFile,
-                         testing::Values(KnownFile{"wdas_cloud_sixteenth.vdb", 415642, VoxelType::single_float},
-                                         KnownFile{"openvdb_smoke1.vdb", 1049275, VoxelType::half_float},
-                                         KnownFile{"usd_smoke_000003.vdb", 90197, VoxelType::single_float},
-                                         KnownFile{"sergeneren_box21.vdb", 9261, VoxelType::single_float},
-                                         KnownFile{"c42_fluid_data_0001.vdb", 1665, VoxelType::half_float},
-                                         KnownFile{"gaffer_arnold_sphere.vdb", 465, VoxelType::single_float}));
+INSTANTIATE_TEST_SUITE_P(
+    Files, RealVdbFile,
+    testing::Values(KnownFile{"wdas_cloud_sixteenth.vdb", 415642, VoxelType::single_float},
+                    KnownFile{"openvdb_smoke1.vdb", 1049275, VoxelType::half_float},
+                    KnownFile{"usd_smoke_000003.vdb", 90197, VoxelType::single_float},
+                    KnownFile{"sergeneren_box21.vdb", 9261, VoxelType::single_float},
+                    KnownFile{"c42_fluid_data_0001.vdb", 1665, VoxelType::half_float},
+                    KnownFile{"gaffer_arnold_sphere.vdb", 465, VoxelType::single_float}));
 
 TEST_P(RealVdbFile, LoadsAsOpenVdbItselfReadsIt) {
     const fs::path folder = fs::path(__FILE__).parent_path() / "../../../shared/data";
-    if (!fs::exists(folder)) GTEST_SKIP() << "no folder " << folder;
+    if (!fs::exists(folder))
+        GTEST_SKIP() << "no folder " << folder;
     const std::string path = (folder / GetParam().file).string();
     const LoadedGrid loaded = load_grid(path, "density");
     EXPECT_EQ(loaded.grid->active_voxels(), GetParam().active_voxels);
@@ -432,10 +289,6 @@ TEST_P(RealVdbFile, LoadsAsOpenVdbItselfReadsIt) {
     file.open(false);
     const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
     expect_equal(*grid, *loaded.grid);
-    for (auto v = grid->cbeginValueOn(); v; ++v) {
-        const Coord c = v.getCoord();
-        ASSERT_EQ(loaded.grid->lookup(c[0], c[1], c[2]), *v);
-    }
 }
 
 }  // namespace

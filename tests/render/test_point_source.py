@@ -61,7 +61,7 @@ def test_airlight_of_a_lamp_by_single_scattering(lamp):
     medium = d.VolumeClosure(tuple(sigma_s), tuple(sigma_t - sigma_s))
     view = orthographic((-2.0, 0, 0), (0, 0, 0), 1e-4)
     image = Scene(view, world_volume=(medium,), lights=(light,)).render(
-        size=64, samples=64, max_bounces=0, pixel_filter="box"
+        size=64, samples=256, max_bounces=0, pixel_filter="box"
     )["Combined"]
 
     def integrand(x, t):
