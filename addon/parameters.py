@@ -34,7 +34,16 @@ class Parameter:
     def parse(self, text):
         """Returns the value that `text` (from a command line) stands for; raises ValueError naming the remedy."""
         if self.kind == "bool":
-            values = {"1": True, "true": True, "on": True, "yes": True, "0": False, "false": False, "off": False, "no": False}
+            values = {
+                "1": True,
+                "true": True,
+                "on": True,
+                "yes": True,
+                "0": False,
+                "false": False,
+                "off": False,
+                "no": False,
+            }
             if text.lower() not in values:
                 raise ValueError(f"{self.name}: '{text}' is not a boolean; use true or false")
             return values[text.lower()]
@@ -64,10 +73,22 @@ _BIG = 2**31 - 1
 
 PARAMETERS = (
     Parameter("samples", "int", 128, "Samples", "Paths per pixel", 1, 2**24, 4096),
-    Parameter("seed", "int", 0, "Seed", "Seed of every random decision; the same seed gives the same image", 0, _BIG),
-    Parameter("threads", "int", 0, "Threads", "Render threads; 0 uses every core", 0, 1024, 64, group="performance"),
     Parameter(
-        "time_limit", "float", 0.0, "Time Limit", "Stop after this time; 0 renders all samples", 0.0, 1e9, 3600.0, "s"
+        "seed", "int", 0, "Seed", "Seed of every random decision; the same seed gives the same image", 0, _BIG
+    ),
+    Parameter(
+        "threads", "int", 0, "Threads", "Render threads; 0 uses every core", 0, 1024, 64, group="performance"
+    ),
+    Parameter(
+        "time_limit",
+        "float",
+        0.0,
+        "Time Limit",
+        "Stop after this time; 0 renders all samples",
+        0.0,
+        1e9,
+        3600.0,
+        "s",
     ),
     Parameter(
         "sampler",
@@ -88,7 +109,11 @@ PARAMETERS = (
         "How light paths are built",
         items=(
             ("path", "Path", "Path tracing with next-event estimation and multiple importance sampling"),
-            ("plain", "Plain", "Brute force: no light sampling, one global majorant; slow, made to check the other"),
+            (
+                "plain",
+                "Plain",
+                "Brute force: no light sampling, one global majorant; slow, made to check the other",
+            ),
         ),
         group="advanced",
     ),
@@ -99,7 +124,11 @@ PARAMETERS = (
         "Tracking",
         "How a free flight through a volume is sampled",
         items=(
-            ("weighted_delta", "Weighted Delta", "Scatter or not by the path's own colours; absorption as a weight"),
+            (
+                "weighted_delta",
+                "Weighted Delta",
+                "Scatter or not by the path's own colours; absorption as a weight",
+            ),
             ("delta", "Analog Delta", "Absorption ends paths; classic delta (Woodcock) tracking"),
         ),
         group="volumes",
@@ -116,15 +145,49 @@ PARAMETERS = (
         ),
         group="volumes",
     ),
-    Parameter("max_bounces", "int", 64, "Max Bounces", "Scattering events of a path, of all kinds", 0, 4096, 256, group="paths"),
     Parameter(
-        "surface_bounces", "int", 64, "Surface Bounces", "Scattering events at surfaces", 0, 4096, 256, group="paths"
+        "max_bounces",
+        "int",
+        64,
+        "Max Bounces",
+        "Scattering events of a path, of all kinds",
+        0,
+        4096,
+        256,
+        group="paths",
     ),
     Parameter(
-        "volume_bounces", "int", 64, "Volume Bounces", "Scattering events in volumes", 0, 4096, 256, group="paths"
+        "surface_bounces",
+        "int",
+        64,
+        "Surface Bounces",
+        "Scattering events at surfaces",
+        0,
+        4096,
+        256,
+        group="paths",
     ),
     Parameter(
-        "roulette_depth", "int", 4, "Roulette Depth", "Bounces before Russian roulette may end a path", 0, 4096, 64, group="paths"
+        "volume_bounces",
+        "int",
+        64,
+        "Volume Bounces",
+        "Scattering events in volumes",
+        0,
+        4096,
+        256,
+        group="paths",
+    ),
+    Parameter(
+        "roulette_depth",
+        "int",
+        4,
+        "Roulette Depth",
+        "Bounces before Russian roulette may end a path",
+        0,
+        4096,
+        64,
+        group="paths",
     ),
     Parameter(
         "clamp",
@@ -151,10 +214,27 @@ PARAMETERS = (
         group="film",
     ),
     Parameter(
-        "filter_width", "float", 1.5, "Filter Width", "Width of the pixel filter; unused for Box", 0.01, 10.0, 3.0, "px", group="film"
+        "filter_width",
+        "float",
+        1.5,
+        "Filter Width",
+        "Width of the pixel filter; unused for Box",
+        0.01,
+        10.0,
+        3.0,
+        "px",
+        group="film",
     ),
     Parameter(
-        "film_exposure", "float", 1.0, "Exposure", "Scale of the colour passes, linear", 0.0, 1e6, 10.0, group="film"
+        "film_exposure",
+        "float",
+        1.0,
+        "Exposure",
+        "Scale of the colour passes, linear",
+        0.0,
+        1e6,
+        10.0,
+        group="film",
     ),
 )
 

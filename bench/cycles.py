@@ -105,6 +105,10 @@ def prepare(bpy, job):
         setattr(layer, PASSES[name][0], True)
     layer.samples = 0
     match_settings(scene.cycles, job)
+    for light in bpy.data.lights:
+        # Cycles 5.0 loses light where a path in a medium meets a point or spot lamp inside it: 4 % of such a lamp at
+        # the second bounce, 6 to 14 % after sixteen. Without MIS nothing but light sampling finds it, and all is well.
+        light.cycles.use_multiple_importance_sampling = light.type not in {"POINT", "SPOT"}
     for volume in bpy.data.volumes:
         volume.render.precision = "FULL"
         volume.render.clipping = 0.0

@@ -20,7 +20,16 @@ def export(scene, folder, resolution=None, frame=None):
     Raises RuntimeError with the command's words.
     """
     path = Path(folder, "scene.nephele")
-    command = [sys.executable, "-m", "nephele", "render", str(scene), "--quiet", "--save-description", str(path)]
+    command = [
+        sys.executable,
+        "-m",
+        "nephele",
+        "render",
+        str(scene),
+        "--quiet",
+        "--save-description",
+        str(path),
+    ]
     if resolution is not None:
         command += ["--resolution", f"{resolution[0]}x{resolution[1]}"]
     if frame is not None:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The story of a render on one page: passes of ever more samples over all tiles, until enough, out of time or cancelled.
+// The story of a render on one page: passes of ever more samples over all tiles, until enough, out of time or
+// cancelled.
 #include "render.h"
 
 #include <ctime>
@@ -15,7 +16,9 @@ constexpr int kTileSize = 32;
 constexpr int kLargestPass = 16;  // samples per pixel between two looks at the clock's bigger picture
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+double seconds_since(Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+}
 
 double thread_cpu_seconds() {
     timespec t{};
@@ -25,18 +28,23 @@ double thread_cpu_seconds() {
 
 PixelFilter::Kind filter_kind(Settings::PixelFilter kind) {
     switch (kind) {
-        case Settings::PixelFilter::box: return PixelFilter::Kind::box;
-        case Settings::PixelFilter::gaussian: return PixelFilter::Kind::gaussian;
-        case Settings::PixelFilter::blackman_harris: break;
+        case Settings::PixelFilter::box:
+            return PixelFilter::Kind::box;
+        case Settings::PixelFilter::gaussian:
+            return PixelFilter::Kind::gaussian;
+        case Settings::PixelFilter::blackman_harris:
+            break;
     }
     return PixelFilter::Kind::blackman_harris;
 }
 
 void check_plain(const Settings& settings, const Scene& scene) {
-    if (settings.integrator != Settings::Integrator::plain) return;
+    if (settings.integrator != Settings::Integrator::plain)
+        return;
     for (const Lamp& lamp : scene.lights().lamps()) {
         if (lamp.delta()) {
-            throw std::invalid_argument("light '" + lamp.name + "' has no size, so the plain integrator can never find it; " +
+            throw std::invalid_argument("light '" + lamp.name +
+                                        "' has no size, so the plain integrator can never find it; " +
                                         "give it a radius or angle, or use integrator = path");
         }
     }
@@ -45,7 +53,9 @@ void check_plain(const Settings& settings, const Scene& scene) {
 }  // namespace
 
 Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource frame)
-    : scene_(std::move(scene)), settings_(settings), frame_(std::move(frame)),
+    : scene_(std::move(scene)),
+      settings_(settings),
+      frame_(std::move(frame)),
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       kernel_(choose_kernel(settings, scene_->features())) {
@@ -54,17 +64,20 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
     };
     request_.transmittance = any({PassId::transmittance});
-    request_.features = any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
+    request_.features =
+        any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
     request_.transparent_film = frame_.transparent;
 }
 
 Render::~Render() {
     cancel();
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+        thread_.join();
 }
 
 void Render::start() {
-    if (state_ != State::idle) throw std::logic_error("this render has been started before; make a new one");
+    if (state_ != State::idle)
+        throw std::logic_error("this render has been started before; make a new one");
     state_ = State::running;
     start_ = Clock::now();
     thread_ = std::thread([this] { run(); });
@@ -77,13 +90,15 @@ void Render::run() {
         tbb::task_arena arena(threads);
         int done = lowest_count();
         samples_done_ = done;
-        for (int size = 1; done < settings_.samples && !must_stop(); size = std::min(2 * size, kLargestPass)) {
+        for (int size = 1; done < settings_.samples && !must_stop();
+             size = std::min(2 * size, kLargestPass)) {
             const int target = std::min(done + size, settings_.samples);
             arena.execute([&] { render_pass(target); });
             done = lowest_count();
             samples_done_ = done;
         }
-        if (cancelled_) end = State::cancelled;
+        if (cancelled_)
+            end = State::cancelled;
     } catch (...) {
         failure_ = std::current_exception();  // rethrown by wait()
         end = State::failed;
@@ -96,13 +111,16 @@ void Render::run() {
 
 bool Render::wait(double seconds) {
     std::unique_lock lock(mutex_);
-    finished_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return state_ != State::running; });
-    if (state_ == State::failed) std::rethrow_exception(failure_);
+    finished_.wait_for(lock, std::chrono::duration<double>(seconds),
+                       [&] { return state_ != State::running; });
+    if (state_ == State::failed)
+        std::rethrow_exception(failure_);
     return state_ != State::running;
 }
 
 void Render::render_pass(int target) {
-    const int columns = (film_.width() + kTileSize - 1) / kTileSize, rows = (film_.height() + kTileSize - 1) / kTileSize;
+    const int columns = (film_.width() + kTileSize - 1) / kTileSize,
+              rows = (film_.height() + kTileSize - 1) / kTileSize;
     tbb::parallel_for(0, columns * rows, [&](int tile) { render_tile(tile, target); });
 }
 
@@ -113,7 +131,8 @@ void Render::render_tile(int tile, int target) {
     const int x0 = tile % columns * kTileSize, y0 = tile / columns * kTileSize;
     for (int y = y0; y < std::min(y0 + kTileSize, film_.height()); ++y) {
         for (int x = x0; x < std::min(x0 + kTileSize, film_.width()); ++x) {
-            if (must_stop()) break;
+            if (must_stop())
+                break;
             render_pixel(x, y, target, ws);
         }
     }
@@ -122,7 +141,8 @@ void Render::render_tile(int tile, int target) {
     statistics_.density_lookups += ws.counters.density_lookups;
     statistics_.nonfinite_samples += ws.nonfinite_samples;
     statistics_.render_cpu_seconds += thread_cpu_seconds() - cpu;
-    if (statistics_.first_tile_seconds == 0) statistics_.first_tile_seconds = seconds_since(start_);
+    if (statistics_.first_tile_seconds == 0)
+        statistics_.first_tile_seconds = seconds_since(start_);
 }
 
 void Render::render_pixel(int x, int y, int target, Workspace& ws) {
@@ -135,11 +155,14 @@ void Render::render_pixel(int x, int y, int target, Workspace& ws) {
 
 PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws) const {
     const int fx = x + frame_.x0, fy = y + frame_.y0;
-    const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) + static_cast<std::uint32_t>(fx);
-    PathSampler sampler(settings_.sampler == Settings::Sampler::sobol, static_cast<std::uint64_t>(settings_.seed), pixel, index);
+    const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) +
+                       static_cast<std::uint32_t>(fx);
+    PathSampler sampler(settings_.sampler == Settings::Sampler::sobol,
+                        static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
-    const Ray ray = scene_->camera().generate(position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)});
+    const Ray ray = scene_->camera().generate(
+        position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)});
     const std::uint64_t lookups = ws.counters.density_lookups;
     PixelSample s = kernel_(*scene_, settings_, request_, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
@@ -159,27 +182,33 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws
 float Render::mist_at(float depth) const {
     const float x = clamp01((depth - frame_.mist_start) / std::max(frame_.mist_depth, 1e-6f));
     switch (frame_.mist_falloff) {
-        case FilmSource::MistFalloff::linear: return x;
-        case FilmSource::MistFalloff::quadratic: return x * x;
-        case FilmSource::MistFalloff::inverse_quadratic: break;
+        case FilmSource::MistFalloff::linear:
+            return x;
+        case FilmSource::MistFalloff::quadratic:
+            return x * x;
+        case FilmSource::MistFalloff::inverse_quadratic:
+            break;
     }
     return std::sqrt(x);
 }
 
 bool Render::must_stop() const {
-    return cancelled_ || (settings_.time_limit > 0 && samples_done_ > 0 && seconds() > static_cast<double>(settings_.time_limit));
+    return cancelled_ || (settings_.time_limit > 0 && samples_done_ > 0 &&
+                          seconds() > static_cast<double>(settings_.time_limit));
 }
 
 int Render::lowest_count() const {
     std::uint32_t lowest = ~0u;
     for (int y = 0; y < film_.height(); ++y) {
-        for (int x = 0; x < film_.width(); ++x) lowest = std::min(lowest, film_.count(x, y));
+        for (int x = 0; x < film_.width(); ++x)
+            lowest = std::min(lowest, film_.count(x, y));
     }
     return static_cast<int>(lowest);
 }
 
 std::string Render::failure() const {
-    if (state_ != State::failed) return {};
+    if (state_ != State::failed)
+        return {};
     try {
         std::rethrow_exception(failure_);
     } catch (const std::exception& e) {
@@ -193,7 +222,8 @@ double Render::fraction() const {
 }
 
 double Render::seconds() const {
-    if (state_ == State::idle) return 0;
+    if (state_ == State::idle)
+        return 0;
     return state_ == State::running ? seconds_since(start_) : statistics().render_seconds;
 }
 
@@ -203,10 +233,12 @@ RenderStatistics Render::statistics() const {
 }
 
 void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
-    if (state_ != State::idle) throw std::logic_error("restore a checkpoint before the render starts");
+    if (state_ != State::idle)
+        throw std::logic_error("restore a checkpoint before the render starts");
     film_.restore(saved);
     std::uint64_t taken = 0;
-    for (const double n : saved.at("sample_count")) taken += static_cast<std::uint64_t>(n);
+    for (const double n : saved.at("sample_count"))
+        taken += static_cast<std::uint64_t>(n);
     samples_taken_ = taken;
 }
 

@@ -4,10 +4,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <condition_variable>
 #include <thread>
 
 #include "film/film.h"
@@ -35,7 +35,7 @@ struct RenderStatistics {
 };
 
 class Render {
-public:
+  public:
     enum class State { idle, running, done, cancelled, failed };
 
     Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource film);
@@ -59,10 +59,11 @@ public:
     const Film& film() const { return film_; }
     const FilmSource& frame() const { return frame_; }
     RenderStatistics statistics() const;
-    /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do not fit.
+    /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do
+    /// not fit.
     void restore(const std::map<std::string, std::vector<double>>& saved);
 
-private:
+  private:
     void run();
     void render_pass(int target);
     void render_tile(int tile, int target);

@@ -10,7 +10,7 @@ namespace nephele {
 
 template <typename T>
 class Buffer {
-public:
+  public:
     Buffer() = default;
     Buffer(const T* data, std::size_t size, std::shared_ptr<const void> owner)
         : data_(data), size_(size), owner_(std::move(owner)) {}
@@ -28,7 +28,7 @@ public:
     const T* begin() const { return data_; }
     const T* end() const { return data_ + size_; }
 
-private:
+  private:
     const T* data_ = nullptr;
     std::size_t size_ = 0;
     std::shared_ptr<const void> owner_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a surface is to the integrator: the point where a ray meets it and the samples that its BSDF hands out.
-// Directions wo and wi are unit vectors that point away from the surface, in world space.
+// What a surface is to the integrator: the point where a ray meets it and the samples that its BSDF hands
+// out. Directions wo and wi are unit vectors that point away from the surface, in world space.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,12 @@ enum RayKind : std::uint32_t {
 struct Instance;  // scene/scene.h
 struct Mesh;
 
-/// Everything a shading program can ask about a point. For the world's background `p`, `ng` and `ns` hold the direction.
+/// Everything a shading program can ask about a point. For the world's background `p`, `ng` and `ns` hold the
+/// direction.
 struct ShadingPoint {
     Vec3f p;         ///< world space
-    Vec3f ng, ns;    ///< unit geometric and shading normals, world space, on wo's side (ng); ns never faces away from wo's side of ng
+    Vec3f ng, ns;    ///< unit geometric and shading normals, world space, on wo's side (ng); ns never faces
+                     ///< away from wo's side of ng
     Vec3f wo;        ///< towards the viewer
     Vec3f object_p;  ///< p in object space (direction for the world)
     Vec3f barycentric;
@@ -40,9 +42,9 @@ struct ShadingPoint {
 /// A direction drawn from a BSDF.
 struct BsdfSample {
     Vec3f wi;
-    Rgb weight;         ///< f |cos| / pdf
-    float pdf = 0;      ///< solid angle, of the whole mixture; unused where `specular`
-    bool specular = false;   ///< the direction has a discrete probability: light sampling cannot find it
+    Rgb weight;             ///< f |cos| / pdf
+    float pdf = 0;          ///< solid angle, of the whole mixture; unused where `specular`
+    bool specular = false;  ///< the direction has a discrete probability: light sampling cannot find it
     std::uint32_t kind = kDiffuseRay;  ///< the scattered ray's kind
 };
 

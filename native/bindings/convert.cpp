@@ -16,7 +16,9 @@ T value(nb::handle object, const char* attribute) {
     return nb::cast<T>(object.attr(attribute));
 }
 
-std::string text(nb::handle object, const char* attribute) { return value<std::string>(object, attribute); }
+std::string text(nb::handle object, const char* attribute) {
+    return value<std::string>(object, attribute);
+}
 
 Rgb rgb(nb::handle object, const char* attribute) {
     const nb::object v = object.attr(attribute);
@@ -30,9 +32,11 @@ Rgb rgb(nb::handle object, const char* attribute) {
 /// A numpy array as a buffer that keeps it alive. Its memory is not copied; releasing it takes the GIL.
 template <class T>
 Buffer<T> buffer(nb::handle array, const char* what, const char* wanted) {
-    if (array.is_none()) return {};
+    if (array.is_none())
+        return {};
     nb::ndarray<const T, nb::c_contig, nb::device::cpu> view;
-    if (!nb::try_cast(array, view, false)) bad_array(what, wanted);
+    if (!nb::try_cast(array, view, false))
+        bad_array(what, wanted);
     auto* held = new nb::object(nb::borrow(array));
     const std::shared_ptr<const void> owner(held, [](nb::object* o) {
         const nb::gil_scoped_acquire gil;
@@ -49,15 +53,18 @@ Buffer<std::int32_t> integers(nb::handle object, const char* attribute) {
 
 void matrix(nb::handle object, const char* attribute, double (&out)[16]) {
     nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu> view;  // small: a copy will do
-    if (!nb::try_cast(object.attr(attribute), view, true)) bad_array(attribute, "4 x 4 float64");
+    if (!nb::try_cast(object.attr(attribute), view, true))
+        bad_array(attribute, "4 x 4 float64");
     std::copy(view.data(), view.data() + 16, out);
 }
 
 template <class Enum>
-Enum choice(nb::handle object, const char* attribute, std::initializer_list<std::pair<std::string_view, Enum>> items) {
+Enum choice(nb::handle object, const char* attribute,
+            std::initializer_list<std::pair<std::string_view, Enum>> items) {
     const std::string given = text(object, attribute);
     for (const auto& [name, item] : items) {
-        if (name == given) return item;
+        if (name == given)
+            return item;
     }
     throw std::invalid_argument(std::string(attribute) + ": '" + given + "' is not known");
 }
@@ -81,7 +88,8 @@ ClosureRow closure_row(nb::handle c) {
     const std::string kind = text(c, "kind");
     const auto* end = kClosureNames + kClosureKindCount;
     const auto* found = std::find(kClosureNames, end, kind);
-    if (found == end) throw std::invalid_argument("closure '" + kind + "' is not known");
+    if (found == end)
+        throw std::invalid_argument("closure '" + kind + "' is not known");
     ClosureRow row;
     row.kind = static_cast<ClosureKind>(found - kClosureNames);
     row.weight = value<std::int16_t>(c, "weight");
@@ -91,21 +99,25 @@ ClosureRow closure_row(nb::handle c) {
         throw std::invalid_argument("closure '" + kind + "' has the wrong number of inputs");
     }
     std::size_t i = 0;
-    for (nb::handle input : inputs) row.inputs[i++] = nb::cast<std::int16_t>(input);
+    for (nb::handle input : inputs)
+        row.inputs[i++] = nb::cast<std::int16_t>(input);
     return row;
 }
 
 std::optional<Program> program(nb::handle p) {
-    if (p.is_none()) return std::nullopt;
+    if (p.is_none())
+        return std::nullopt;
     Program out;
     const Buffer<float> registers = floats(p, "registers");
     for (std::size_t i = 0; i + 2 < registers.size(); i += 3) {
         out.registers.emplace_back(registers[i], registers[i + 1], registers[i + 2]);
     }
     const Buffer<std::int32_t> code = integers(p, "code");
-    if (code.size() % 8 != 0) throw std::invalid_argument("a program's code must have 8 columns");
+    if (code.size() % 8 != 0)
+        throw std::invalid_argument("a program's code must have 8 columns");
     for (std::size_t i = 0; i < code.size(); i += 8) {
-        out.code.push_back({code[i], code[i + 1], code[i + 2], code[i + 3], code[i + 4], code[i + 5], code[i + 6], code[i + 7]});
+        out.code.push_back({code[i], code[i + 1], code[i + 2], code[i + 3], code[i + 4], code[i + 5],
+                            code[i + 6], code[i + 7]});
     }
     const Buffer<float> parameters = floats(p, "parameters");
     out.parameters.assign(parameters.begin(), parameters.end());
@@ -118,7 +130,8 @@ VolumeClosure volume_closure(nb::handle c) {
         const nb::object name = c.attr(attribute);
         return name.is_none() ? std::string() : nb::cast<std::string>(name);
     };
-    return {rgb(c, "sigma_s"), rgb(c, "sigma_a"), rgb(c, "emission"), value<float>(c, "g"), grid("density_grid"), grid("emission_grid")};
+    return {rgb(c, "sigma_s"),    rgb(c, "sigma_a"),    rgb(c, "emission"),
+            value<float>(c, "g"), grid("density_grid"), grid("emission_grid")};
 }
 
 /// The closures of a volume; one whose sigma and emission are scaled differently becomes two.
@@ -147,7 +160,8 @@ Mesh mesh(nb::handle m) {
     out.triangles = integers(m, "triangles");
     out.corner_normals = floats(m, "corner_normals");
     const auto arrays = [&](const char* attribute) {
-        return list<Buffer<float>>(m, attribute, [&](nb::handle a) { return buffer<float>(a, attribute, "float32"); });
+        return list<Buffer<float>>(m, attribute,
+                                   [&](nb::handle a) { return buffer<float>(a, attribute, "float32"); });
     };
     out.uvs = arrays("uvs");
     out.attributes = arrays("attributes");
@@ -161,7 +175,8 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     Instance out;
     out.name = text(i, "name");
     out.mesh = value<std::uint32_t>(i, "mesh");
-    if (out.mesh >= mesh_count) throw std::invalid_argument("its mesh does not exist");
+    if (out.mesh >= mesh_count)
+        throw std::invalid_argument("its mesh does not exist");
     double m[16];
     matrix(i, "world_from_object", m);
     out.world_from_object = transform_of(m);
@@ -173,11 +188,13 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
         }
         out.materials.push_back(number);
     }
-    if (out.materials.empty()) out.materials.push_back(-1);
+    if (out.materials.empty())
+        out.materials.push_back(-1);
     out.visibility = value<std::uint32_t>(i, "visibility");
     out.random = value<float>(i, "random");
     const nb::object color = i.attr("color");
-    for (std::size_t c = 0; c < 4; ++c) out.color[c] = nb::cast<float>(color[c]);
+    for (std::size_t c = 0; c < 4; ++c)
+        out.color[c] = nb::cast<float>(color[c]);
     out.pass_index = value<float>(i, "pass_index");
     return out;
 }
@@ -188,7 +205,8 @@ VolumeSource volume(nb::handle v, std::size_t material_count) {
     out.path = text(v, "path");
     matrix(v, "world_from_object", out.world_from_object);
     out.material = value<std::uint32_t>(v, "material");
-    if (out.material >= material_count) throw std::invalid_argument("its material does not exist");
+    if (out.material >= material_count)
+        throw std::invalid_argument("its material does not exist");
     out.density_scale = value<float>(v, "density_scale");
     out.visibility = value<std::uint32_t>(v, "visibility");
     return out;
@@ -199,7 +217,8 @@ Image image(nb::handle i) {
     out.name = text(i, "name");
     const nb::object pixels = i.attr("pixels");
     const nb::object shape = pixels.attr("shape");
-    if (nb::len(shape) != 3 || nb::cast<int>(shape[2]) != 4) throw std::invalid_argument("pixels must be (height, width, 4)");
+    if (nb::len(shape) != 3 || nb::cast<int>(shape[2]) != 4)
+        throw std::invalid_argument("pixels must be (height, width, 4)");
     out.height = nb::cast<int>(shape[0]);
     out.width = nb::cast<int>(shape[1]);
     nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> bytes;
@@ -216,7 +235,8 @@ LampDescription lamp(nb::handle l) {
     using Kind = LampDescription::Kind;
     LampDescription out;
     out.name = text(l, "name");
-    out.kind = choice<Kind>(l, "kind", {{"point", Kind::point}, {"sun", Kind::sun}, {"spot", Kind::spot}, {"area", Kind::area}});
+    out.kind = choice<Kind>(
+        l, "kind", {{"point", Kind::point}, {"sun", Kind::sun}, {"spot", Kind::spot}, {"area", Kind::area}});
     matrix(l, "world_from_light", out.world_from_light);
     out.power = rgb(l, "power");
     out.normalize = value<bool>(l, "normalize");
@@ -240,7 +260,8 @@ CameraDescription camera(nb::handle c) {
     using Kind = CameraDescription::Kind;
     CameraDescription out;
     out.name = text(c, "name");
-    out.kind = choice<Kind>(c, "kind", {{"perspective", Kind::perspective}, {"orthographic", Kind::orthographic}});
+    out.kind =
+        choice<Kind>(c, "kind", {{"perspective", Kind::perspective}, {"orthographic", Kind::orthographic}});
     matrix(c, "world_from_camera", out.world_from_camera);
     const nb::object viewplane = c.attr("viewplane");
     out.left = nb::cast<double>(viewplane[0]);
@@ -269,7 +290,8 @@ SceneSource scene_source_of(nb::handle scene) {
     out.instances = list<Instance>(scene, "instances", [&](nb::handle i) {
         return instance(i, out.meshes.size(), out.materials.size());
     });
-    out.volumes = list<VolumeSource>(scene, "volumes", [&](nb::handle v) { return volume(v, out.materials.size()); });
+    out.volumes =
+        list<VolumeSource>(scene, "volumes", [&](nb::handle v) { return volume(v, out.materials.size()); });
     out.images = list<Image>(scene, "images", image);
     out.lamps = list<LampDescription>(scene, "lights", lamp);
     const nb::object world = scene.attr("world");
@@ -281,7 +303,8 @@ SceneSource scene_source_of(nb::handle scene) {
 
 PassId pass_of(std::string_view name) {
     for (int p = 0; p < kPassCount; ++p) {
-        if (name == kPasses[p].name || name == kPasses[p].identifier) return static_cast<PassId>(p);
+        if (name == kPasses[p].name || name == kPasses[p].identifier)
+            return static_cast<PassId>(p);
     }
     throw std::invalid_argument("no pass is called '" + std::string(name) + "'");
 }
@@ -300,12 +323,15 @@ FilmSource film_source_of(nb::handle film) {
         out.y1 = nb::cast<int>(crop[3]);
     }
     out.transparent = value<bool>(film, "transparent");
-    for (nb::handle pass : nb::borrow<nb::object>(film.attr("passes"))) out.passes.push_back(pass_of(nb::cast<std::string>(pass)));
+    for (nb::handle pass : nb::borrow<nb::object>(film.attr("passes")))
+        out.passes.push_back(pass_of(nb::cast<std::string>(pass)));
     const nb::object mist = film.attr("mist");
     out.mist_start = nb::cast<float>(mist[0]);
     out.mist_depth = nb::cast<float>(mist[1]);
     const auto falloff = nb::cast<std::string>(mist[2]);
-    out.mist_falloff = falloff == "linear" ? Falloff::linear : falloff == "quadratic" ? Falloff::quadratic : Falloff::inverse_quadratic;
+    out.mist_falloff = falloff == "linear"      ? Falloff::linear
+                       : falloff == "quadratic" ? Falloff::quadratic
+                                                : Falloff::inverse_quadratic;
     return out;
 }
 

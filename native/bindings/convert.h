@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From the scene description (addon/description.py) to the renderer's own structs: attribute by attribute, by the same
-// names, arrays without copies. Conversion only; what the values mean is checked where they are used.
+// From the scene description (addon/description.py) to the renderer's own structs: attribute by attribute, by
+// the same names, arrays without copies. Conversion only; what the values mean is checked where they are
+// used.
 #pragma once
 
 #include <nanobind/nanobind.h>

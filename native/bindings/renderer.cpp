@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The class `Renderer`: one scene, one render. Python polls, cancels and reads; all work runs without the GIL.
+// The class `Renderer`: one scene, one render. Python polls, cancels and reads; all work runs without the
+// GIL.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -14,11 +15,16 @@ namespace {
 
 const char* name_of(Render::State state) {
     switch (state) {
-        case Render::State::idle: return "idle";
-        case Render::State::running: return "running";
-        case Render::State::done: return "done";
-        case Render::State::cancelled: return "cancelled";
-        case Render::State::failed: break;
+        case Render::State::idle:
+            return "idle";
+        case Render::State::running:
+            return "running";
+        case Render::State::done:
+            return "done";
+        case Render::State::cancelled:
+            return "cancelled";
+        case Render::State::failed:
+            break;
     }
     return "failed";
 }
@@ -31,7 +37,7 @@ nb::object array(std::vector<T> values, std::initializer_list<std::size_t> shape
 }
 
 class Renderer {
-public:
+  public:
     explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
         SceneSource source = scene_source_of(description);
         FilmSource film = film_source_of(description.attr("film"));
@@ -69,8 +75,9 @@ public:
             const nb::gil_scoped_release release;
             values = film.read(pass);
         }
-        return array(std::move(values), {static_cast<std::size_t>(film.height()), static_cast<std::size_t>(film.width()),
-                                         static_cast<std::size_t>(kPasses[static_cast<std::size_t>(pass)].channels)});
+        return array(std::move(values),
+                     {static_cast<std::size_t>(film.height()), static_cast<std::size_t>(film.width()),
+                      static_cast<std::size_t>(kPasses[static_cast<std::size_t>(pass)].channels)});
     }
 
     nb::dict statistics() const {
@@ -103,7 +110,8 @@ public:
 
     nb::dict checkpoint() const {
         nb::dict out;
-        for (auto& [name, values] : render_->film().save()) out[name.c_str()] = array(std::vector(values), {values.size()});
+        for (auto& [name, values] : render_->film().save())
+            out[name.c_str()] = array(std::vector(values), {values.size()});
         return out;
     }
 
@@ -112,13 +120,14 @@ public:
         for (auto [key, item] : saved) {
             nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> view;
             const auto name = nb::cast<std::string>(key);
-            if (!nb::try_cast(item, view, false)) throw std::invalid_argument("checkpoint entry '" + name + "' is not a float64 array");
+            if (!nb::try_cast(item, view, false))
+                throw std::invalid_argument("checkpoint entry '" + name + "' is not a float64 array");
             values[name].assign(view.data(), view.data() + view.size());
         }
         render_->restore(values);
     }
 
-private:
+  private:
     Settings settings_;
     std::shared_ptr<const Scene> scene_;
     std::unique_ptr<Render> render_;
@@ -138,22 +147,28 @@ void bind_renderer(nb::module_& m) {
             out["warnings"] = scene.warnings();
             return out;
         },
-        nb::arg("scene"), "dict: what the scene needs of the renderer, what it leaves out, warnings. Raises as Renderer does.");
-    nb::class_<Renderer>(m, "Renderer", "A scene being rendered. Built from a description.Scene, whose arrays it keeps and shares.")
+        nb::arg("scene"),
+        "dict: what the scene needs of the renderer, what it leaves out, warnings. Raises as Renderer does.");
+    nb::class_<Renderer>(
+        m, "Renderer",
+        "A scene being rendered. Built from a description.Scene, whose arrays it keeps and shares.")
         .def(nb::init<nb::handle>(), nb::arg("scene"),
              "Builds the scene. Raises ValueError or RuntimeError naming the object or file at fault.")
         .def("start", &Renderer::start, "Starts rendering on native threads and returns at once.")
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
         .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
-        .def("progress", &Renderer::progress, "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds.")
+        .def("progress", &Renderer::progress,
+             "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds.")
         .def("read_pass", &Renderer::read_pass, nb::arg("name"),
-             "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError where it was not asked for.")
+             "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError "
+             "where it was not asked for.")
         .def("statistics", &Renderer::statistics, "dict of counts, times (s) and sizes (bytes).")
         .def("checkpoint", &Renderer::checkpoint, "dict name -> float64 sums, for `restore`.")
         .def("restore", &Renderer::restore, nb::arg("saved"),
              "Takes up a checkpoint before `start`. Raises ValueError where it does not fit.")
-        .def_prop_ro("warnings", &Renderer::warnings, "What was left out or mended while building, one sentence each.");
+        .def_prop_ro("warnings", &Renderer::warnings,
+                     "What was left out or mended while building, one sentence each.");
 }
 
 }  // namespace nephele::bindings

@@ -7,40 +7,52 @@ namespace nephele {
 
 namespace {
 
-constexpr std::size_t at(PassId pass) { return static_cast<std::size_t>(pass); }
+constexpr std::size_t at(PassId pass) {
+    return static_cast<std::size_t>(pass);
+}
 
-/// Passes that describe the first sample alone: an average over a silhouette would be a depth where nothing is.
-constexpr bool first_sample_only(PassId pass) { return pass == PassId::depth || pass == PassId::mist; }
+/// Passes that describe the first sample alone: an average over a silhouette would be a depth where nothing
+/// is.
+constexpr bool first_sample_only(PassId pass) {
+    return pass == PassId::depth || pass == PassId::mist;
+}
 
 }  // namespace
 
 Film::Film(int width, int height, std::span<const PassId> passes) : width_(width), height_(height) {
     if (width <= 0 || height <= 0) {
-        throw std::invalid_argument("the render is " + std::to_string(width) + " x " + std::to_string(height) +
-                                    " pixels; set a resolution of at least 1 x 1");
+        throw std::invalid_argument("the render is " + std::to_string(width) + " x " +
+                                    std::to_string(height) + " pixels; set a resolution of at least 1 x 1");
     }
     counts_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
     for (const PassId pass : passes) {
-        if (pass == PassId::sample_count) continue;
+        if (pass == PassId::sample_count)
+            continue;
         allocate(pass, pass == PassId::variance ? 3 : kPasses[at(pass)].channels);
         combined_asked_ |= pass == PassId::combined;
         variance_asked_ |= pass == PassId::variance;
     }
-    if (variance_asked_ && !combined_asked_) allocate(PassId::combined, kPasses[at(PassId::combined)].channels);
+    if (variance_asked_ && !combined_asked_)
+        allocate(PassId::combined, kPasses[at(PassId::combined)].channels);
 }
 
-void Film::allocate(PassId pass, int channels) { sums_[at(pass)].assign(counts_.size() * static_cast<std::size_t>(channels), 0.0); }
+void Film::allocate(PassId pass, int channels) {
+    sums_[at(pass)].assign(counts_.size() * static_cast<std::size_t>(channels), 0.0);
+}
 
 void Film::add_to(PassId pass, std::size_t pixel, const float* values, int channels) {
     std::vector<double>& sums = sums_[at(pass)];
-    if (sums.empty()) return;
+    if (sums.empty())
+        return;
     double* out = sums.data() + pixel * static_cast<std::size_t>(channels);
-    for (int c = 0; c < channels; ++c) out[c] += static_cast<double>(values[c]);
+    for (int c = 0; c < channels; ++c)
+        out[c] += static_cast<double>(values[c]);
 }
 
 void Film::add(int x, int y, const PixelSample& sample, float exposure) {
     const std::size_t pixel = index(x, y);
-    const Rgb volume = sample.volume * exposure, surface = sample.surface * exposure, emission = sample.emission * exposure;
+    const Rgb volume = sample.volume * exposure, surface = sample.surface * exposure,
+              emission = sample.emission * exposure;
     const Rgb light = volume + surface;
     const float combined[4] = {light.x, light.y, light.z, sample.alpha};
     add_to(PassId::combined, pixel, combined, 4);
@@ -58,7 +70,8 @@ void Film::add(int x, int y, const PixelSample& sample, float exposure) {
     }
     if (variance_asked_) {
         double* squares = sums_[at(PassId::variance)].data() + 3 * pixel;
-        for (int c = 0; c < 3; ++c) squares[c] += static_cast<double>(light[c]) * static_cast<double>(light[c]);
+        for (int c = 0; c < 3; ++c)
+            squares[c] += static_cast<double>(light[c]) * static_cast<double>(light[c]);
     }
     ++counts_[pixel];
 }
@@ -79,11 +92,14 @@ std::vector<float> Film::variance() const {
 
 std::vector<float> Film::read(PassId pass) const {
     const PassInfo& info = kPasses[at(pass)];
-    if (pass == PassId::sample_count) return {counts_.begin(), counts_.end()};
+    if (pass == PassId::sample_count)
+        return {counts_.begin(), counts_.end()};
     if (!has(pass) || (pass == PassId::combined && !combined_asked_)) {
-        throw std::invalid_argument(std::string("the pass '") + info.name + "' was not asked for; add it to the film's passes");
+        throw std::invalid_argument(std::string("the pass '") + info.name +
+                                    "' was not asked for; add it to the film's passes");
     }
-    if (pass == PassId::variance) return variance();
+    if (pass == PassId::variance)
+        return variance();
     const auto channels = static_cast<std::size_t>(info.channels);
     const std::vector<double>& sums = sums_of(pass);
     std::vector<float> out(sums.size());
@@ -100,7 +116,8 @@ std::map<std::string, std::vector<double>> Film::save() const {
     std::map<std::string, std::vector<double>> saved;
     saved["sample_count"].assign(counts_.begin(), counts_.end());
     for (int p = 0; p < kPassCount; ++p) {
-        if (!sums_[p].empty()) saved[kPasses[p].identifier] = sums_[p];
+        if (!sums_[p].empty())
+            saved[kPasses[p].identifier] = sums_[p];
     }
     return saved;
 }
@@ -110,14 +127,17 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
     for (const auto& [name, values] : mine) {
         const auto found = saved.find(name);
         if (found == saved.end() || found->second.size() != values.size()) {
-            throw std::invalid_argument("the checkpoint does not fit this render (pass '" + name +
-                                        "' is missing or of another size); render with the settings it was made with");
+            throw std::invalid_argument(
+                "the checkpoint does not fit this render (pass '" + name +
+                "' is missing or of another size); render with the settings it was made with");
         }
     }
     const std::vector<double>& counts = saved.at("sample_count");
-    for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] = static_cast<std::uint32_t>(counts[i]);
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        counts_[i] = static_cast<std::uint32_t>(counts[i]);
     for (int p = 0; p < kPassCount; ++p) {
-        if (!sums_[p].empty()) sums_[p] = saved.at(kPasses[p].identifier);
+        if (!sums_[p].empty())
+            sums_[p] = saved.at(kPasses[p].identifier);
     }
 }
 

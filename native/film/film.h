@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The film: sums of samples per pixel for the passes that were asked for, and nothing else. Knows nothing of Blender.
+// The film: sums of samples per pixel for the passes that were asked for, and nothing else. Knows nothing of
+// Blender.
 #pragma once
 
 #include <map>
@@ -26,7 +27,7 @@ struct PixelSample {
 };
 
 class Film {
-public:
+  public:
     /// width, height: of the region rendered.
     Film(int width, int height, std::span<const PassId> passes);
 
@@ -38,15 +39,16 @@ public:
     void add(int x, int y, const PixelSample& sample, float exposure);
     std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
 
-    /// The pass as (height, width, channels) floats, first row at the bottom. Throws std::invalid_argument where it was not
-    /// asked for. May be called while samples are being added: pixels are then a mix of older and newer.
+    /// The pass as (height, width, channels) floats, first row at the bottom. Throws std::invalid_argument
+    /// where it was not asked for. May be called while samples are being added: pixels are then a mix of
+    /// older and newer.
     std::vector<float> read(PassId pass) const;
 
     /// Sums by name, for checkpoints. Throws std::invalid_argument where they do not fit this film.
     std::map<std::string, std::vector<double>> save() const;
     void restore(const std::map<std::string, std::vector<double>>& saved);
 
-private:
+  private:
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }

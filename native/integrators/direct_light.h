@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Next-event estimation: aims at one light from a point on a surface or in a volume.
 //
-// MIS weights use the solid-angle densities of direction and light alone. Transmittance and free-flight densities do not enter
-// them: both techniques carry the transmittance as a factor of the estimate, so the weights are one fixed function of the
-// direction and add up to 1.
+// MIS weights use the solid-angle densities of direction and light alone. Transmittance and free-flight
+// densities do not enter them: both techniques carry the transmittance as a factor of the estimate, so the
+// weights are one fixed function of the direction and add up to 1.
 #pragma once
 
 #include "integrators/integrator.h"
@@ -15,49 +15,61 @@ namespace nephele {
 /// A light seen from a point, before visibility.
 struct DirectSample {
     LightSample light;  ///< pdf includes the probability of choosing the light
-    Vec3f target;       ///< where a shadow ray has to end, off the emitter's surface; unused where the distance is infinite
+    Vec3f target;  ///< where a shadow ray has to end, off the emitter's surface; unused where the distance is
+                   ///< infinite
     bool cast_shadow = true;
 };
 
-/// Kind of ray that light sampling stands for at the vertex which rays of kind `scattered` leave: from a surface it does not know
-/// the lobe, and asks whether diffuse rays see the light.
-constexpr std::uint32_t sampling_kind(std::uint32_t scattered) { return scattered == kVolumeRay ? kVolumeRay : kDiffuseRay; }
+/// Kind of ray that light sampling stands for at the vertex which rays of kind `scattered` leave: from a
+/// surface it does not know the lobe, and asks whether diffuse rays see the light.
+constexpr std::uint32_t sampling_kind(std::uint32_t scattered) {
+    return scattered == kVolumeRay ? kVolumeRay : kDiffuseRay;
+}
 
 /// Kinds of rays that see a light when they hit it.
 inline std::uint32_t light_visibility(const Scene& scene, std::uint32_t number) {
     const LightSet& lights = scene.lights();
     switch (lights.kind(number)) {
-        case LightSet::Kind::lamp: return lights.lamp(number).visibility;
-        case LightSet::Kind::mesh: return lights.mesh(number).instance().visibility;
-        case LightSet::Kind::world: break;
+        case LightSet::Kind::lamp:
+            return lights.lamp(number).visibility;
+        case LightSet::Kind::mesh:
+            return lights.mesh(number).instance().visibility;
+        case LightSet::Kind::world:
+            break;
     }
     return scene.world_visibility();
 }
 
 /// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
-inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, std::uint32_t ray_kind, int bounces,
-                                                 PathSampler& sampler) {
+inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, std::uint32_t ray_kind,
+                                                 int bounces, PathSampler& sampler) {
     const LightSet& lights = scene.lights();
-    if (lights.empty()) return std::nullopt;
+    if (lights.empty())
+        return std::nullopt;
     const Vec2f choice = sampler.next2(), u = sampler.next2();
     float probability = 0;
     const auto number = lights.select(p, choice.x, probability);
-    if (!number || (light_visibility(scene, *number) & ray_kind) == 0) return std::nullopt;
+    if (!number || (light_visibility(scene, *number) & ray_kind) == 0)
+        return std::nullopt;
     DirectSample out;
     if (lights.kind(*number) == LightSet::Kind::lamp) {
         const Lamp& lamp = lights.lamp(*number);
-        if (bounces > lamp.max_bounces) return std::nullopt;
+        if (bounces > lamp.max_bounces)
+            return std::nullopt;
         const auto s = lamp.sample(p, u);
-        if (!s) return std::nullopt;
+        if (!s)
+            return std::nullopt;
         out.light = *s;
         out.cast_shadow = lamp.cast_shadow;
         out.target = p + s->wi * s->distance;
     } else if (lights.kind(*number) == LightSet::Kind::mesh) {
         const MeshLight& mesh = lights.mesh(*number);
         const auto s = mesh.sample(p, choice.y, u);
-        if (!s) return std::nullopt;
+        if (!s)
+            return std::nullopt;
         out.light = s->light;
-        Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y, s->barycentric.z};
+        Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y,
+                s->barycentric.z};
         const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
         out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
         out.target = offset_point(point.p, point.ng);
@@ -65,30 +77,35 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         const EnvironmentLight::Sample s = lights.world()->sample(u);
         out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};
     }
-    if (!(out.light.pdf > 0) || is_zero(out.light.Li)) return std::nullopt;
+    if (!(out.light.pdf > 0) || is_zero(out.light.Li))
+        return std::nullopt;
     out.light.pdf *= probability;
     return out;
 }
 
-/// The ray from p, already off its surface, to the light. It is aimed anew: with the direction found at the surface itself,
-/// a ray that starts a little off it would end in an emitter close by before it arrives.
+/// The ray from p, already off its surface, to the light. It is aimed anew: with the direction found at the
+/// surface itself, a ray that starts a little off it would end in an emitter close by before it arrives.
 inline Ray shadow_ray(Vec3f p, const DirectSample& direct) {
-    if (direct.light.distance == kInfinity) return {p, direct.light.wi};
+    if (direct.light.distance == kInfinity)
+        return {p, direct.light.wi};
     const Vec3f to_light = direct.target - p;
     const float distance = length(to_light);
     return {p, distance > 0 ? to_light / distance : direct.light.wi, 0, distance};
 }
 
 /// Transmittance from p (already off its surface) to the light: surfaces, then media.
-inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, const DirectSample& direct,
-                                PathSampler& sampler, Workspace& ws) {
-    if (!direct.cast_shadow) return Rgb(1);
+inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p,
+                                const DirectSample& direct, PathSampler& sampler, Workspace& ws) {
+    if (!direct.cast_shadow)
+        return Rgb(1);
     const Ray ray = shadow_ray(p, direct);
     ++ws.counters.rays;
     Rgb T = scene.surface_transmittance(ray);
-    if (is_zero(T) || !scene.features().media) return T;
+    if (is_zero(T) || !scene.features().media)
+        return T;
     scene.find_media(ray, kShadowRay, ws.shadow);
-    return T * estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global, sampler.rng(), ws.counters);
+    return T * estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global,
+                                      sampler.rng(), ws.counters);
 }
 
 }  // namespace nephele

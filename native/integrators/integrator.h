@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// An integrator answers one question: what does one random path through this pixel bring home? Two answer it here:
-// `path` (path.cpp) with light sampling and multiple importance sampling, and its plain twin (plain.cpp), which the tests hold it against.
+// An integrator answers one question: what does one random path through this pixel bring home? Two answer it
+// here: `path` (path.cpp) with light sampling and multiple importance sampling, and its plain twin
+// (plain.cpp), which the tests hold it against.
 #pragma once
 
 #include "film/film.h"
@@ -25,8 +26,8 @@ struct SampleRequest {
 };
 
 /// Traces one path from the camera.
-using SampleFunction = PixelSample (*)(const Scene&, const Settings&, const SampleRequest&, const Ray& camera_ray, PathSampler&,
-                                       Workspace&);
+using SampleFunction = PixelSample (*)(const Scene&, const Settings&, const SampleRequest&,
+                                       const Ray& camera_ray, PathSampler&, Workspace&);
 
 /// The kernel for these settings and what the scene holds.
 SampleFunction choose_kernel(const Settings& settings, const SceneFeatures& features);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The path tracer: null-collision free flights, next-event estimation at every vertex in volumes and on surfaces, multiple
-// importance sampling (power heuristic) between light sampling and scattering, Russian roulette.
+// The path tracer: null-collision free flights, next-event estimation at every vertex in volumes and on
+// surfaces, multiple importance sampling (power heuristic) between light sampling and scattering, Russian
+// roulette.
 //
-// A path is a walk of segments. Each runs from the last vertex to the next surface, lamp or the world; on it the path either
-// scatters in a volume or arrives at the end. Lamps are transparent to rays: they add their light and the ray goes on.
+// A path is a walk of segments. Each runs from the last vertex to the next surface, lamp or the world; on it
+// the path either scatters in a volume or arrives at the end. Lamps are transparent to rays: they add their
+// light and the ray goes on.
 #include "integrators/direct_light.h"
 #include "integrators/phase_mixture.h"
 #include "integrators/primary.h"
@@ -14,9 +16,9 @@ namespace {
 
 template <bool kMedia>
 class Path {
-public:
-    Path(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray, PathSampler& sampler,
-         Workspace& ws)
+  public:
+    Path(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
+         PathSampler& sampler, Workspace& ws)
         : scene_(scene), settings_(settings), request_(request), sampler_(sampler), ws_(ws), ray_(ray) {}
 
     PixelSample trace() {
@@ -25,7 +27,7 @@ public:
         return out_;
     }
 
-private:
+  private:
     /// One segment; false where the path ends.
     bool extend() {
         ++ws_.counters.rays;
@@ -34,26 +36,33 @@ private:
         const LampHit lamp = nearest_lamp(end);
         if (kind_ == kCameraRay && !primary_done_) {
             primary_done_ = true;
-            record_transmittance(scene_, settings_, request_, {ray_.o, ray_.d, ray_.t_min, end}, sampler_, ws_, out_);
+            record_transmittance(scene_, settings_, request_, {ray_.o, ray_.d, ray_.t_min, end}, sampler_,
+                                 ws_, out_);
         }
         if constexpr (kMedia) {
             scene_.find_media({ray_.o, ray_.d, ray_.t_min, std::min(end, lamp.distance)}, kind_, ws_.segment);
-            if (request_.features && first_ == First::none && hit.valid()) record_surface(scene_, shading(hit), out_, recorded_);
+            if (request_.features && first_ == First::none && hit.valid())
+                record_surface(scene_, shading(hit), out_, recorded_);
             if (!ws_.segment.empty()) {
-                const Flight flight =
-                    sample_flight(ws_.segment, ws_.tracking, settings_.tracking == Settings::Tracking::delta,
-                                  settings_.majorant == Settings::Majorant::global, beta_, sampler_.rng(), ws_.counters);
+                const Flight flight = sample_flight(
+                    ws_.segment, ws_.tracking, settings_.tracking == Settings::Tracking::delta,
+                    settings_.majorant == Settings::Majorant::global, beta_, sampler_.rng(), ws_.counters);
                 add_volume_emission(flight.emitted);
-                if (flight.event == Flight::Event::absorbed) return false;
-                if (flight.event == Flight::Event::scattered) return scatter_in_volume(flight);
+                if (flight.event == Flight::Event::absorbed)
+                    return false;
+                if (flight.event == Flight::Event::scattered)
+                    return scatter_in_volume(flight);
             }
         }
-        if (lamp.distance < end) return pass_lamp(lamp);
-        if (!hit.valid()) return escape();
+        if (lamp.distance < end)
+            return pass_lamp(lamp);
+        if (!hit.valid())
+            return escape();
         return meet_surface(shading(hit));
     }
 
-    /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same distance.
+    /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same
+    /// distance.
     using LampPlace = std::pair<float, std::uint32_t>;
 
     struct LampHit {
@@ -64,19 +73,25 @@ private:
         float pdf = 0;
     };
 
-    bool sees(const Lamp& lamp) const { return (lamp.visibility & kind_) != 0 && bounces_ - 1 <= lamp.max_bounces; }
+    bool sees(const Lamp& lamp) const {
+        return (lamp.visibility & kind_) != 0 && bounces_ - 1 <= lamp.max_bounces;
+    }
 
     /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
         LampHit nearest;
-        if (kind_ == kCameraRay || !scene_.features().lamps) return nearest;
-        // Seen from the last vertex, wherever transparent surfaces let the ray start anew since: a lamp is met once.
+        if (kind_ == kCameraRay || !scene_.features().lamps)
+            return nearest;
+        // Seen from the last vertex, wherever transparent surfaces let the ray start anew since: a lamp is
+        // met once.
         const Ray reach{previous_p_, ray_.d, passed_.first, travelled_ + end};
         scene_.lights().for_each_lamp_hit(reach, [&](std::uint32_t number, const LightHit& hit) {
-            if (hit.distance == kInfinity || !sees(scene_.lights().lamp(number))) return;  // suns: see escape()
+            if (hit.distance == kInfinity || !sees(scene_.lights().lamp(number)))
+                return;  // suns: see escape()
             // Lamps at the same distance come in the order of their numbers, each once.
             const LampPlace place(hit.distance, number);
-            if (place > passed_ && place < nearest.place) nearest = {place, hit.distance - travelled_, number, hit.Le, hit.pdf};
+            if (place > passed_ && place < nearest.place)
+                nearest = {place, hit.distance - travelled_, number, hit.Le, hit.pdf};
         });
         return nearest;
     }
@@ -95,7 +110,8 @@ private:
         }
         add_suns();
         const Rgb Le = scene_.background(ray_.d, kind_);
-        if (is_zero(Le)) return false;
+        if (is_zero(Le))
+            return false;
         const std::uint32_t number = scene_.lights().world_number();
         add(beta_ * Le * mis_weight(number, [&] { return scene_.lights().world()->pdf(ray_.d); }));
         return false;
@@ -103,9 +119,11 @@ private:
 
     /// Lamps at infinity that this direction meets.
     void add_suns() {
-        if (kind_ == kCameraRay || !scene_.features().lamps) return;
+        if (kind_ == kCameraRay || !scene_.features().lamps)
+            return;
         scene_.lights().for_each_lamp_hit({ray_.o, ray_.d}, [&](std::uint32_t number, const LightHit& hit) {
-            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number))) return;
+            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number)))
+                return;
             add(beta_ * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
         });
     }
@@ -113,7 +131,8 @@ private:
     /// Weight of light that scattering found, against light sampling at the last vertex.
     template <class Pdf>
     float mis_weight(std::uint32_t light, Pdf&& pdf) const {
-        if (previous_specular_ || (light_visibility(scene_, light) & sampling_kind(kind_)) == 0) return 1;
+        if (previous_specular_ || (light_visibility(scene_, light) & sampling_kind(kind_)) == 0)
+            return 1;
         return power_heuristic(previous_pdf_, scene_.lights().selection_pdf(previous_p_, light) * pdf());
     }
 
@@ -125,7 +144,8 @@ private:
             first_ = First::volume;
             out_.volume_albedo = flight.albedo;
         }
-        if (bounces_ > settings_.max_bounces || volume_bounces_ > settings_.volume_bounces) return false;
+        if (bounces_ > settings_.max_bounces || volume_bounces_ > settings_.volume_bounces)
+            return false;
         const PhaseMixture phase(ws_.tracking.shares, beta_);
         if (const auto direct = sample_direct(scene_, p, kVolumeRay, bounces_, sampler_)) {
             float pdf = 0;
@@ -143,13 +163,18 @@ private:
 
     bool meet_surface(const ShadingPoint& point) {
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
-        if (!kMedia && request_.features && first_ == First::none) record_surface(scene_, point, out_, recorded_);
-        if (!is_zero(bsdf.emission)) add_surface_emission(point, bsdf.emission);
-        const bool exhausted = bounces_ > settings_.max_bounces || surface_bounces_ > settings_.surface_bounces;
-        if (!exhausted && bsdf.has_smooth()) light_surface(point, bsdf);
+        if (!kMedia && request_.features && first_ == First::none)
+            record_surface(scene_, point, out_, recorded_);
+        if (!is_zero(bsdf.emission))
+            add_surface_emission(point, bsdf.emission);
+        const bool exhausted =
+            bounces_ > settings_.max_bounces || surface_bounces_ > settings_.surface_bounces;
+        if (!exhausted && bsdf.has_smooth())
+            light_surface(point, bsdf);
         const Vec2f lobe_u = sampler_.next2(), u = sampler_.next2();
         const auto sample = bsdf.sample(point.wo, lobe_u.x, u);
-        if (!sample || is_zero(sample->weight)) return false;
+        if (!sample || is_zero(sample->weight))
+            return false;
         beta_ *= sample->weight;
         const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
         if (sample->kind == 0) {  // straight through: no event
@@ -158,27 +183,34 @@ private:
             ray_ = {o, ray_.d, 0, ray_.t_max - step};
             return true;
         }
-        if (exhausted) return false;
-        if (first_ == First::none) first_ = First::surface;
+        if (exhausted)
+            return false;
+        if (first_ == First::none)
+            first_ = First::surface;
         ++surface_bounces_;
         return continue_from(o, sample->wi, point.p, sample->pdf, sample->specular, sample->kind);
     }
 
     void light_surface(const ShadingPoint& point, const Bsdf& bsdf) {
         const auto direct = sample_direct(scene_, point.p, kDiffuseRay, bounces_, sampler_);
-        if (!direct) return;
+        if (!direct)
+            return;
         float pdf = 0;
         const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf);
-        if (is_zero(f)) return;
+        if (is_zero(f))
+            return;
         const First before = first_;
-        if (first_ == First::none) first_ = First::surface;
-        add_direct(*direct, offset_point(point.p, dot(direct->light.wi, point.ng) > 0 ? point.ng : -point.ng), f, pdf);
+        if (first_ == First::none)
+            first_ = First::surface;
+        add_direct(*direct, offset_point(point.p, dot(direct->light.wi, point.ng) > 0 ? point.ng : -point.ng),
+                   f, pdf);
         first_ = before;
     }
 
     void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
         const Rgb T = shadow_transmittance(scene_, settings_, p, direct, sampler_, ws_);
-        if (is_zero(T)) return;
+        if (is_zero(T))
+            return;
         const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
         add(beta_ * f * T * direct.light.Li * (weight / direct.light.pdf));
     }
@@ -187,16 +219,21 @@ private:
         const std::uint32_t number = scene_.light_of_instance(scene_.number_of(*point.instance));
         float weight = 1;
         if (number != Scene::kNoLight) {
-            weight = mis_weight(number, [&] { return scene_.lights().mesh(number).pdf(point.triangle, previous_p_, point.p); });
+            weight = mis_weight(number, [&] {
+                return scene_.lights().mesh(number).pdf(point.triangle, previous_p_, point.p);
+            });
         }
         add(beta_ * Le * weight);
-        if (bounces_ == 0) out_.emission += beta_ * Le;
+        if (bounces_ == 0)
+            out_.emission += beta_ * Le;
     }
 
     void add_volume_emission(Rgb emitted) {
-        if (is_zero(emitted)) return;
+        if (is_zero(emitted))
+            return;
         (first_ == First::surface ? out_.surface : out_.volume) += emitted;
-        if (bounces_ == 0) out_.emission += emitted;
+        if (bounces_ == 0)
+            out_.emission += emitted;
     }
 
     void add(Rgb light) { (first_ == First::volume ? out_.volume : out_.surface) += light; }
@@ -206,7 +243,8 @@ private:
         ++bounces_;
         if (bounces_ > settings_.roulette_depth) {
             const float survive = std::min(1.0f, max_component(beta_));
-            if (sampler_.rng().next() >= survive) return false;
+            if (sampler_.rng().next() >= survive)
+                return false;
             beta_ /= survive;
         }
         ray_ = {o, wi};
@@ -233,7 +271,8 @@ private:
     Vec3f previous_p_;     // the last vertex, not moved off its surface
     float travelled_ = 0;  // from there to ray_.o
     static constexpr std::pair<float, std::uint32_t> kNonePassed{-1.0f, 0};
-    std::pair<float, std::uint32_t> passed_ = kNonePassed;  // the last lamp met since: distance from there, number
+    std::pair<float, std::uint32_t> passed_ =
+        kNonePassed;  // the last lamp met since: distance from there, number
     float previous_pdf_ = 0;
     bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
     bool primary_done_ = false, recorded_ = false;
@@ -241,17 +280,19 @@ private:
 };
 
 template <bool kMedia>
-PixelSample sample_path(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
-                        PathSampler& sampler, Workspace& ws) {
+PixelSample sample_path(const Scene& scene, const Settings& settings, const SampleRequest& request,
+                        const Ray& ray, PathSampler& sampler, Workspace& ws) {
     return Path<kMedia>(scene, settings, request, ray, sampler, ws).trace();
 }
 
 }  // namespace
 
-PixelSample sample_plain(const Scene&, const Settings&, const SampleRequest&, const Ray&, PathSampler&, Workspace&);
+PixelSample sample_plain(const Scene&, const Settings&, const SampleRequest&, const Ray&, PathSampler&,
+                         Workspace&);
 
 SampleFunction choose_kernel(const Settings& settings, const SceneFeatures& features) {
-    if (settings.integrator == Settings::Integrator::plain) return sample_plain;
+    if (settings.integrator == Settings::Integrator::plain)
+        return sample_plain;
     return features.media ? sample_path<true> : sample_path<false>;
 }
 

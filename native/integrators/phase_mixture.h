@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The phase function at a point where several media overlap: each medium's own, in proportion to its sigma_s per channel.
-// Directions are drawn from one medium, chosen by the mean share of what the path carries.
+// The phase function at a point where several media overlap: each medium's own, in proportion to its sigma_s
+// per channel. Directions are drawn from one medium, chosen by the mean share of what the path carries.
 #pragma once
 
 #include <span>
@@ -11,11 +11,13 @@
 namespace nephele {
 
 class PhaseMixture {
-public:
+  public:
     /// beta: the path's throughput, which already holds the sum of sigma_s. shares: not empty.
     PhaseMixture(std::span<const ScatterShare> shares, Rgb beta) : shares_(shares), beta_(beta) {
-        for (const ScatterShare& s : shares) total_ += s.sigma_s;
-        for (const ScatterShare& s : shares) weight_sum_ += weight(s);
+        for (const ScatterShare& s : shares)
+            total_ += s.sigma_s;
+        for (const ScatterShare& s : shares)
+            weight_sum_ += weight(s);
     }
 
     /// Phase function value, RGB in 1/sr; pdf: of sample() to return wi.
@@ -39,13 +41,14 @@ public:
         if (shares_.size() > 1) {
             for (float left = choice * weight_sum_; i + 1 < shares_.size(); ++i) {
                 left -= weight(shares_[i]);
-                if (left < 0) break;
+                if (left < 0)
+                    break;
             }
         }
         return HenyeyGreenstein{shares_[i].g}.sample(wo, u);
     }
 
-private:
+  private:
     Rgb fraction(const ScatterShare& s) const {
         const auto one = [](float a, float b) { return b > 0 ? a / b : 0; };
         return {one(s.sigma_s.x, total_.x), one(s.sigma_s.y, total_.y), one(s.sigma_s.z, total_.z)};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The plain twin: brute-force path tracing, written to be obviously right rather than fast. One colour channel per path, analog
-// delta tracking against one global majorant, true trilinear lookups, no light sampling, no MIS, no roulette, independent
-// random numbers. Light is found by running into it, so lamps without size are not for this integrator.
+// The plain twin: brute-force path tracing, written to be obviously right rather than fast. One colour
+// channel per path, analog delta tracking against one global majorant, true trilinear lookups, no light
+// sampling, no MIS, no roulette, independent random numbers. Light is found by running into it, so lamps
+// without size are not for this integrator.
 #include <stdexcept>
 
 #include "integrators/integrator.h"
@@ -18,7 +19,8 @@ struct Collision {
 
 /// Density of a medium, by its true trilinear filter.
 float density(const Medium& m, Vec3f p, Counters& counters) {
-    if (!m.density) return 1;
+    if (!m.density)
+        return 1;
     counters.density_lookups += 8;
     return m.density->grid->trilinear(m.density->index_from_world.point(p));
 }
@@ -27,8 +29,8 @@ float global_majorant(const Medium& m, int channel) {
     return m.sigma_t[channel] * (m.density ? m.density->majorants->global_majorant() : 1);
 }
 
-/// Woodcock tracking of one channel through all media of the segment, anew from each point where one begins or ends.
-/// Emission is gathered per step.
+/// Woodcock tracking of one channel through all media of the segment, anew from each point where one begins
+/// or ends. Emission is gathered per step.
 Collision collide(const Segment& segment, int channel, Rng& rng, Counters& counters, float& emitted) {
     float begin = kInfinity, end = 0;
     for (const Interval& i : segment.intervals) {
@@ -39,39 +41,47 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
         float majorant = 0, change = end;  // the same media are around up to there
         for (const Interval& i : segment.intervals) {
             const bool here = i.t0 <= t && t < i.t1;
-            if (here) majorant += global_majorant(*i.medium, channel);
-            if (here || t < i.t0) change = std::min(change, here ? i.t1 : i.t0);
+            if (here)
+                majorant += global_majorant(*i.medium, channel);
+            if (here || t < i.t0)
+                change = std::min(change, here ? i.t1 : i.t0);
         }
         const float next = majorant > 0 ? t + rng.next_exponential() / majorant : kInfinity;
         const float step = std::min(next, change) - t;
         float sigma_t = 0, sigma_s = 0, g = 0;
         for (const Interval& i : segment.intervals) {
-            if (t < i.t0 || t >= i.t1) continue;
+            if (t < i.t0 || t >= i.t1)
+                continue;
             if (step < kInfinity && i.medium->emission[channel] > 0) {
                 const Vec3f p = segment.ray.at(t + step * rng.next());
                 emitted += i.medium->emission[channel] * step *
                            (i.medium->density_scales_emission ? density(*i.medium, p, counters) : 1);
             }
-            if (next >= change) continue;
+            if (next >= change)
+                continue;
             const float d = density(*i.medium, segment.ray.at(next), counters);
             sigma_t += d * i.medium->sigma_t[channel];
             const float s = d * i.medium->sigma_s[channel];
             sigma_s += s;
-            if (s > 0 && rng.next() * sigma_s < s) g = i.medium->g;
+            if (s > 0 && rng.next() * sigma_s < s)
+                g = i.medium->g;
         }
         t = std::min(next, change);
-        if (next >= change) continue;
+        if (next >= change)
+            continue;
         const float u = rng.next() * majorant;
-        if (u < sigma_s) return {Collision::What::scattered, t, g};
-        if (u < sigma_t) return {Collision::What::absorbed, t, 0};
+        if (u < sigma_s)
+            return {Collision::What::scattered, t, g};
+        if (u < sigma_t)
+            return {Collision::What::absorbed, t, 0};
     }
     return {};
 }
 
 }  // namespace
 
-PixelSample sample_plain(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& camera_ray,
-                         PathSampler& sampler, Workspace& ws) {
+PixelSample sample_plain(const Scene& scene, const Settings& settings, const SampleRequest& request,
+                         const Ray& camera_ray, PathSampler& sampler, Workspace& ws) {
     Rng& rng = sampler.rng();
     const int channel = std::min(static_cast<int>(rng.next() * 3), 2);
     PixelSample out;
@@ -86,22 +96,29 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         const int bounces = surface_bounces + volume_bounces;
         const Hit hit = scene.intersect(ray, kind);
         const float end = std::min(hit.t, ray.t_max);
-        if (bounces > 0) {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
-            scene.lights().for_each_lamp_hit({ray.o, ray.d, ray.t_min, end}, [&](std::uint32_t number, const LightHit& lamp) {
-                if ((scene.lights().lamp(number).visibility & kind) == 0) return;
-                float ignored = 0;
-                scene.find_media({ray.o, ray.d, ray.t_min, lamp.distance}, kind, ws.shadow);
-                if (collide(ws.shadow, channel, rng, ws.counters, ignored).what == Collision::What::none) add(lamp.Le[channel]);
-            });
+        if (bounces >
+            0) {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
+            scene.lights().for_each_lamp_hit(
+                {ray.o, ray.d, ray.t_min, end}, [&](std::uint32_t number, const LightHit& lamp) {
+                    if ((scene.lights().lamp(number).visibility & kind) == 0)
+                        return;
+                    float ignored = 0;
+                    scene.find_media({ray.o, ray.d, ray.t_min, lamp.distance}, kind, ws.shadow);
+                    if (collide(ws.shadow, channel, rng, ws.counters, ignored).what == Collision::What::none)
+                        add(lamp.Le[channel]);
+                });
         }
         scene.find_media({ray.o, ray.d, ray.t_min, end}, kind, ws.segment);
         float emitted = 0;
         const Collision collision = collide(ws.segment, channel, rng, ws.counters, emitted);
         (bounces == 0 || volume_first ? out.volume : out.surface)[channel] += beta * emitted;
-        if (collision.what == Collision::What::absorbed) break;
+        if (collision.what == Collision::What::absorbed)
+            break;
         if (collision.what == Collision::What::scattered) {
-            if (bounces == 0) volume_first = true;
-            if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces) break;
+            if (bounces == 0)
+                volume_first = true;
+            if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces)
+                break;
             ++volume_bounces;
             ray = {ray.at(collision.t), HenyeyGreenstein{collision.g}.sample(-ray.d, rng.next2())};
             kind = kVolumeRay;
@@ -119,13 +136,17 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         const Bsdf bsdf = make_bsdf(scene.program_of(point), point, scene.textures());
         add(bsdf.emission[channel]);
         const auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
-        if (!sample) break;
+        if (!sample)
+            break;
         beta *= sample->weight[channel];
-        if (beta == 0) break;
+        if (beta == 0)
+            break;
         const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
         ray = {o, sample->wi};
-        if (sample->kind == 0) continue;
-        if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces) break;
+        if (sample->kind == 0)
+            continue;
+        if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces)
+            break;
         ++surface_bounces;
         kind = sample->kind;
     }

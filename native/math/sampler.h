@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random numbers. `Rng` is an unlimited stream of independent numbers (PCG32, O'Neill 2014); `PathSampler` gives a path's
-// first dimensions from Owen-scrambled Sobol points, padded in pairs with shuffled indices (Burley, JCGT 9(4), 2020,
-// "Practical Hash-based Owen Scrambling"), and independent numbers beyond them.
+// Random numbers. `Rng` is an unlimited stream of independent numbers (PCG32, O'Neill 2014); `PathSampler`
+// gives a path's first dimensions from Owen-scrambled Sobol points, padded in pairs with shuffled indices
+// (Burley, JCGT 9(4), 2020, "Practical Hash-based Owen Scrambling"), and independent numbers beyond them.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,13 @@ constexpr std::uint64_t hash_combine(std::uint64_t a, std::uint64_t b) {
 }
 
 /// 24 bits of x as a float in [0, 1).
-constexpr float unit_float(std::uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+constexpr float unit_float(std::uint32_t x) {
+    return static_cast<float>(x >> 8) * 0x1p-24f;
+}
 
 /// PCG32: 64-bit state, 32-bit output.
 class Rng {
-public:
+  public:
     explicit Rng(std::uint64_t seed = 0) : state_(mix_bits(seed)), increment_(mix_bits(seed + 1) | 1) {}
 
     std::uint32_t next_uint() {
@@ -44,7 +46,9 @@ public:
     /// Three numbers of 21 bits each from two draws, for decisions that need no more.
     Vec3f next3() {
         const std::uint64_t bits = std::uint64_t{next_uint()} << 32 | next_uint();
-        const auto unit = [](std::uint64_t b) { return (static_cast<float>(b & 0x1fffff) + 0.5f) * 0x1p-21f; };
+        const auto unit = [](std::uint64_t b) {
+            return (static_cast<float>(b & 0x1fffff) + 0.5f) * 0x1p-21f;
+        };
         return {unit(bits), unit(bits >> 21), unit(bits >> 42)};
     }
     /// Exponential of rate 1: finite and > 0, with 32 bits so that the tail is not cut at 17 mean free paths.
@@ -53,7 +57,7 @@ public:
         return static_cast<float>(-std::log(u));
     }
 
-private:
+  private:
     std::uint64_t state_, increment_;
 };
 
@@ -65,8 +69,8 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
     x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
     return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
-/// Hash whose output bit i depends on input bits 0..i only: on reversed bits it is a nested uniform (Owen) scramble
-/// (Laine and Karras 2011, constants of Vegdahl 2021).
+/// Hash whose output bit i depends on input bits 0..i only: on reversed bits it is a nested uniform (Owen)
+/// scramble (Laine and Karras 2011, constants of Vegdahl 2021).
 constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -92,19 +96,24 @@ constexpr std::uint32_t second_dimension(std::uint32_t index) {
 
 /// The random numbers of one path. Dimensions are handed out in call order.
 class PathSampler {
-public:
-    static constexpr int kStructuredPairs = 24;  // pairs of dimensions taken from Sobol points before independence
+  public:
+    static constexpr int kStructuredPairs =
+        24;  // pairs of dimensions taken from Sobol points before independence
 
     /// `structured`: Sobol points first; else independent numbers from the start.
     PathSampler(bool structured, std::uint64_t seed, std::uint32_t pixel, std::uint32_t sample)
-        : pixel_seed_(hash_combine(seed, pixel)), sample_(sample), rng_(hash_combine(pixel_seed_, sample)),
+        : pixel_seed_(hash_combine(seed, pixel)),
+          sample_(sample),
+          rng_(hash_combine(pixel_seed_, sample)),
           pairs_(structured ? kStructuredPairs : 0) {}
 
     Vec2f next2() {
-        if (pair_ >= pairs_) return rng_.next2();
+        if (pair_ >= pairs_)
+            return rng_.next2();
         const std::uint64_t h = hash_combine(pixel_seed_, static_cast<std::uint64_t>(pair_++) + 0x5eed);
         const std::uint32_t index = sobol::owen_scramble(sample_, static_cast<std::uint32_t>(h));
-        const auto hx = static_cast<std::uint32_t>(mix_bits(h)), hy = static_cast<std::uint32_t>(mix_bits(h + 1));
+        const auto hx = static_cast<std::uint32_t>(mix_bits(h)),
+                   hy = static_cast<std::uint32_t>(mix_bits(h + 1));
         const std::uint32_t x = sobol::reverse_bits(sobol::laine_karras(index, hx));
         const std::uint32_t y = sobol::owen_scramble(sobol::second_dimension(index), hy);
         return {unit_float(x), unit_float(y)};
@@ -112,9 +121,11 @@ public:
     float next() { return next2().x; }
     Rng& rng() { return rng_; }
     /// Numbers of their own for something beside the path, which must not shift the path's.
-    Rng aside() const { return Rng(hash_combine(pixel_seed_, std::uint64_t{sample_} | std::uint64_t{1} << 32)); }
+    Rng aside() const {
+        return Rng(hash_combine(pixel_seed_, std::uint64_t{sample_} | std::uint64_t{1} << 32));
+    }
 
-private:
+  private:
     std::uint64_t pixel_seed_;
     std::uint32_t sample_;
     Rng rng_;

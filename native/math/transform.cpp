@@ -8,7 +8,8 @@ namespace nephele {
 Transform transform_of(const double (&m)[16]) {
     Transform t;
     for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) t.row[static_cast<size_t>(r)][c] = static_cast<float>(m[4 * r + c]);
+        for (int c = 0; c < 3; ++c)
+            t.row[static_cast<size_t>(r)][c] = static_cast<float>(m[4 * r + c]);
         t.translation[r] = static_cast<float>(m[4 * r + 3]);
     }
     return t;
@@ -28,8 +29,10 @@ Transform inverse_of(const double (&m)[16]) {
     }
     double inverse[16] = {};
     for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) inverse[4 * r + c] = cofactor[3 * r + c] / det;
-        for (int c = 0; c < 3; ++c) inverse[4 * r + 3] -= inverse[4 * r + c] * m[4 * c + 3];
+        for (int c = 0; c < 3; ++c)
+            inverse[4 * r + c] = cofactor[3 * r + c] / det;
+        for (int c = 0; c < 3; ++c)
+            inverse[4 * r + 3] -= inverse[4 * r + c] * m[4 * c + 3];
     }
     return transform_of(inverse);
 }
@@ -38,7 +41,8 @@ void multiply(const double (&a)[16], const double (&b)[16], double (&out)[16]) {
     for (int r = 0; r < 4; ++r) {
         for (int c = 0; c < 4; ++c) {
             out[4 * r + c] = 0;
-            for (int k = 0; k < 4; ++k) out[4 * r + c] += a[4 * r + k] * b[4 * k + c];
+            for (int k = 0; k < 4; ++k)
+                out[4 * r + c] += a[4 * r + k] * b[4 * k + c];
         }
     }
 }

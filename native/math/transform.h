@@ -50,7 +50,8 @@ inline Vec3f offset_point(Vec3f p, Vec3f n) {
     Vec3f out;
     for (int i = 0; i < 3; ++i) {
         const auto step = static_cast<std::int32_t>(kIntScale * n[i]);
-        const float moved = std::bit_cast<float>(std::bit_cast<std::int32_t>(p[i]) + (p[i] < 0 ? -step : step));
+        const float moved =
+            std::bit_cast<float>(std::bit_cast<std::int32_t>(p[i]) + (p[i] < 0 ? -step : step));
         out[i] = std::fabs(p[i]) < kOrigin ? p[i] + kFloatScale * n[i] : moved;
     }
     return out;

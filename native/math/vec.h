@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Vectors of floats: Vec2f, Vec3f and Rgb. Directions, points and colours share one type; names tell them apart.
+// Vectors of floats: Vec2f, Vec3f and Rgb. Directions, points and colours share one type; names tell them
+// apart.
 #pragma once
 
 #include <algorithm>
@@ -39,41 +40,87 @@ struct Vec3f {
 
 using Rgb = Vec3f;
 
-constexpr Vec3f operator+(Vec3f a, Vec3f b) { return a += b; }
-constexpr Vec3f operator-(Vec3f a, Vec3f b) { return a -= b; }
-constexpr Vec3f operator*(Vec3f a, Vec3f b) { return a *= b; }
-constexpr Vec3f operator*(Vec3f a, float s) { return a *= s; }
-constexpr Vec3f operator*(float s, Vec3f a) { return a *= s; }
-constexpr Vec3f operator/(Vec3f a, Vec3f b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
-constexpr Vec3f operator/(Vec3f a, float s) { return {a.x / s, a.y / s, a.z / s}; }
+constexpr Vec3f operator+(Vec3f a, Vec3f b) {
+    return a += b;
+}
+constexpr Vec3f operator-(Vec3f a, Vec3f b) {
+    return a -= b;
+}
+constexpr Vec3f operator*(Vec3f a, Vec3f b) {
+    return a *= b;
+}
+constexpr Vec3f operator*(Vec3f a, float s) {
+    return a *= s;
+}
+constexpr Vec3f operator*(float s, Vec3f a) {
+    return a *= s;
+}
+constexpr Vec3f operator/(Vec3f a, Vec3f b) {
+    return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+constexpr Vec3f operator/(Vec3f a, float s) {
+    return {a.x / s, a.y / s, a.z / s};
+}
 
-constexpr float dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr float dot(Vec3f a, Vec3f b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3f cross(Vec3f a, Vec3f b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline float length(Vec3f a) { return std::sqrt(dot(a, a)); }
-inline Vec3f normalize(Vec3f a) { return a / length(a); }
+inline float length(Vec3f a) {
+    return std::sqrt(dot(a, a));
+}
+inline Vec3f normalize(Vec3f a) {
+    return a / length(a);
+}
 /// a / |a|, or 0 where a is 0.
 inline Vec3f safe_normalize(Vec3f a) {
     const float l = length(a);
     return l > 0 ? a / l : Vec3f(0);
 }
 
-constexpr Vec3f min(Vec3f a, Vec3f b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-constexpr Vec3f max(Vec3f a, Vec3f b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-constexpr float max_component(Vec3f a) { return std::max(a.x, std::max(a.y, a.z)); }
-constexpr float min_component(Vec3f a) { return std::min(a.x, std::min(a.y, a.z)); }
-constexpr float mean(Vec3f a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
-constexpr bool is_zero(Vec3f a) { return a.x == 0 && a.y == 0 && a.z == 0; }
-inline bool is_finite(Vec3f a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-inline Vec3f exp(Vec3f a) { return {std::exp(a.x), std::exp(a.y), std::exp(a.z)}; }
-constexpr Vec3f lerp(Vec3f a, Vec3f b, float t) { return a + (b - a) * t; }
-constexpr float lerp(float a, float b, float t) { return a + (b - a) * t; }
-constexpr float clamp01(float x) { return x < 0 ? 0 : x > 1 ? 1 : x; }
-constexpr float sqr(float x) { return x * x; }
+constexpr Vec3f min(Vec3f a, Vec3f b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+constexpr Vec3f max(Vec3f a, Vec3f b) {
+    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+constexpr float max_component(Vec3f a) {
+    return std::max(a.x, std::max(a.y, a.z));
+}
+constexpr float min_component(Vec3f a) {
+    return std::min(a.x, std::min(a.y, a.z));
+}
+constexpr float mean(Vec3f a) {
+    return (a.x + a.y + a.z) * (1.0f / 3.0f);
+}
+constexpr bool is_zero(Vec3f a) {
+    return a.x == 0 && a.y == 0 && a.z == 0;
+}
+inline bool is_finite(Vec3f a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+inline Vec3f exp(Vec3f a) {
+    return {std::exp(a.x), std::exp(a.y), std::exp(a.z)};
+}
+constexpr Vec3f lerp(Vec3f a, Vec3f b, float t) {
+    return a + (b - a) * t;
+}
+constexpr float lerp(float a, float b, float t) {
+    return a + (b - a) * t;
+}
+constexpr float clamp01(float x) {
+    return x < 0 ? 0 : x > 1 ? 1 : x;
+}
+constexpr float sqr(float x) {
+    return x * x;
+}
 
 /// Rec. 709 luminance.
-constexpr float luminance(Rgb c) { return 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z; }
+constexpr float luminance(Rgb c) {
+    return 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z;
+}
 
 /// A ray segment: points o + t d for t in [t_min, t_max]; d has unit length wherever distances matter.
 struct Ray {

@@ -9,7 +9,8 @@ namespace nephele {
 /// Uniform disc of radius 1 (concentric map of Shirley and Chiu, 1997).
 inline Vec2f sample_disc(Vec2f u) {
     const float a = 2 * u.x - 1, b = 2 * u.y - 1;
-    if (a == 0 && b == 0) return {0, 0};
+    if (a == 0 && b == 0)
+        return {0, 0};
     const bool wide = std::fabs(a) > std::fabs(b);
     const float r = wide ? a : b;
     const float phi = wide ? kPi / 4 * (b / a) : kPi / 2 - kPi / 4 * (a / b);
@@ -29,7 +30,9 @@ inline Vec3f spherical(float c, float u) {
 }
 
 /// Uniform sphere; density 1 / (4 pi).
-inline Vec3f sample_sphere(Vec2f u) { return spherical(1 - 2 * u.x, u.y); }
+inline Vec3f sample_sphere(Vec2f u) {
+    return spherical(1 - 2 * u.x, u.y);
+}
 
 /// Uniform cone around +z; one_minus_cos = 1 - cos(half angle), kept apart so that tiny cones stay exact.
 inline Vec3f sample_cone(Vec2f u, float one_minus_cos) {
@@ -37,11 +40,14 @@ inline Vec3f sample_cone(Vec2f u, float one_minus_cos) {
     const float s = std::sqrt(std::max(0.0f, t * (2 - t))), phi = 2 * kPi * u.y;
     return {s * std::cos(phi), s * std::sin(phi), 1 - t};
 }
-inline float cone_pdf(float one_minus_cos) { return 1 / (2 * kPi * one_minus_cos); }
+inline float cone_pdf(float one_minus_cos) {
+    return 1 / (2 * kPi * one_minus_cos);
+}
 
 /// Power heuristic (Veach and Guibas 1995), beta = 2, written so that huge densities do not overflow.
 inline float power_heuristic(float pdf, float other) {
-    if (pdf == 0) return 0;
+    if (pdf == 0)
+        return 0;
     const float r = other / pdf;
     return 1 / (1 + r * r);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A medium: one set of coefficients, constant or scaled by the density of one grid, that fills one region of space.
-// Regions may overlap each other in any number; at a point the coefficients of all media there add up.
+// A medium: one set of coefficients, constant or scaled by the density of one grid, that fills one region of
+// space. Regions may overlap each other in any number; at a point the coefficients of all media there add up.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct DensityField {
     Transform index_from_world;
 };
 
-/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). g: Henyey-Greenstein mean cosine. The field scales sigma_s and
-/// sigma_t, or emission alone.
+/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). g: Henyey-Greenstein mean cosine. The field
+/// scales sigma_s and sigma_t, or emission alone.
 struct Medium {
     std::string name;
     std::uint32_t region = 0;  ///< index of the region it fills, see Region
@@ -61,14 +61,16 @@ struct Region {
         float t0 = ray.t_min, t1 = ray.t_max;
         for (int i = 0; i < 3; ++i) {
             if (d[i] == 0) {
-                if (o[i] < box_min[i] || o[i] > box_max[i]) return std::nullopt;
+                if (o[i] < box_min[i] || o[i] > box_max[i])
+                    return std::nullopt;
                 continue;
             }
             const float a = (box_min[i] - o[i]) / d[i], b = (box_max[i] - o[i]) / d[i];
             t0 = std::max(t0, std::min(a, b));
             t1 = std::min(t1, std::max(a, b));
         }
-        if (!(t0 < t1)) return std::nullopt;
+        if (!(t0 < t1))
+            return std::nullopt;
         return Vec2f{t0, t1};
     }
 };

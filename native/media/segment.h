@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The media along a piece of a ray: which medium is active on which interval. Built once per ray by the scene, then
-// walked by the trackers.
+// The media along a piece of a ray: which medium is active on which interval. Built once per ray by the
+// scene, then walked by the trackers.
 #pragma once
 
 #include <vector>
@@ -31,11 +31,11 @@ struct Segment {
     bool empty() const { return intervals.empty(); }
 };
 
-/// Adds the intervals of `media` in [ray.t_min, ray.t_max] of one mesh region whose sorted crossings are given over the
-/// whole line. The count of surfaces around the origin follows from the crossings alone: what a closed mesh leaves more often than
-/// it enters, it started in. For open meshes that rule makes a face seen from behind the end of a medium, and a face seen
-/// from its front the start of one.
-void add_mesh_intervals(const Crossing* begin, const Crossing* end, const Medium* media_begin, const Medium* media_end,
-                        Segment& segment);
+/// Adds the intervals of `media` in [ray.t_min, ray.t_max] of one mesh region whose sorted crossings are
+/// given over the whole line. The count of surfaces around the origin follows from the crossings alone: what
+/// a closed mesh leaves more often than it enters, it started in. For open meshes that rule makes a face seen
+/// from behind the end of a medium, and a face seen from its front the start of one.
+void add_mesh_intervals(const Crossing* begin, const Crossing* end, const Medium* media_begin,
+                        const Medium* media_end, Segment& segment);
 
 }  // namespace nephele

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Henyey-Greenstein phase function (Henyey and Greenstein 1941), isotropic at g = 0. wo and wi both point away from the
-// scattering point, so forward scattering is wi = -wo. Sampling is exact: pdf == eval.
+// Henyey-Greenstein phase function (Henyey and Greenstein 1941), isotropic at g = 0. wo and wi both point
+// away from the scattering point, so forward scattering is wi = -wo. Sampling is exact: pdf == eval.
 #pragma once
 
 #include "math/transform.h"
@@ -13,21 +13,18 @@ struct HenyeyGreenstein {
 
     /// Density of scattering from wo to wi, 1/sr.
     float eval(Vec3f wo, Vec3f wi) const {
-        const float c = -dot(wo, wi);  // cosine between the directions of travel
-        const float d = 1 + g * g - 2 * g * c;
-        return kInv4Pi * (1 - g * g) / (d * std::sqrt(std::max(d, 1e-12f)));
+        // 1 + g^2 - 2 |g| c in terms of the chord, 1 - c = |chord|^2 / 2: nothing cancels at a narrow peak.
+        const float k = std::fabs(g);
+        const Vec3f chord = g > 0 ? wo + wi : wo - wi;
+        const float d = sqr(1 - k) + k * dot(chord, chord);
+        return kInv4Pi * (1 - k) * (1 + k) / (d * std::sqrt(d));
     }
 
     Vec3f sample(Vec3f wo, Vec2f u) const {
-        const float xi = 2 * u.x - 1;
-        float c;
-        if (std::fabs(g) > 1e-3f) {
-            const float s = (1 - g * g) / (1 + g * xi);
-            c = (1 + g * g - s * s) / (2 * g);
-        } else {  // the series around g = 0, where the closed form cancels
-            c = xi + 1.5f * g * (1 - xi * xi);
-        }
-        return Frame(-wo).to_world(spherical(std::clamp(c, -1.0f, 1.0f), u.y));
+        // The usual inversion, solved for 1 - c, c the cosine to the peak: exact at g = 0 and at narrow peaks.
+        const float k = std::fabs(g), v = (1 - k) + 2 * k * u.x;
+        const float one_minus_c = sqr(1 - k) * (1 - u.x) * ((1 + k) / v + 1) / v;
+        return Frame(g < 0 ? wo : -wo).to_world(sample_cone({1, u.y}, std::min(one_minus_c, 2.0f)));
     }
 };
 

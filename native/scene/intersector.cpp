@@ -35,13 +35,15 @@ Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
 }
 
 void run_filter(const RTCFilterFunctionNArguments* args) {
-    if (args->valid[0] == 0) return;
+    if (args->valid[0] == 0)
+        return;
     const auto& query = *reinterpret_cast<const Query*>(args->context);
     const auto& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const Hit found = hit_of(ray, hit);
     const bool front = ray.dir_x * hit.Ng_x + ray.dir_y * hit.Ng_y + ray.dir_z * hit.Ng_z < 0;
-    if (!query.filter->accept(found, front != (*query.flipped)[found.instance])) args->valid[0] = 0;
+    if (!query.filter->accept(found, front != (*query.flipped)[found.instance]))
+        args->valid[0] = 0;
 }
 
 RTCRay rtc_ray(const Ray& r) {
@@ -82,10 +84,12 @@ struct Intersector::Impl {
     std::vector<RTCScene> shared;  ///< one per mesh that several instances use
     std::atomic<std::ptrdiff_t> memory{0};
     std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
-    std::vector<bool> flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
+    std::vector<bool>
+        flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
 
     Impl() : device(rtcNewDevice(nullptr)) {
-        if (device == nullptr) throw std::runtime_error("Embree could not be started");
+        if (device == nullptr)
+            throw std::runtime_error("Embree could not be started");
         const auto monitor = [](void* self, ssize_t bytes, bool) {
             static_cast<Impl*>(self)->memory += bytes;
             return true;
@@ -94,8 +98,10 @@ struct Intersector::Impl {
         top = new_scene();
     }
     ~Impl() {
-        for (RTCScene s : shared) rtcReleaseScene(s);
-        if (top != nullptr) rtcReleaseScene(top);
+        for (RTCScene s : shared)
+            rtcReleaseScene(s);
+        if (top != nullptr)
+            rtcReleaseScene(top);
         rtcReleaseDevice(device);
     }
     Impl(const Impl&) = delete;
@@ -114,24 +120,30 @@ struct Intersector::Impl {
     RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         if (vertices == mesh.positions.data()) {
-            // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array: copy.
-            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, vertex_count);
-            if (copy != nullptr) std::copy(vertices, vertices + 3 * vertex_count, static_cast<float*>(copy));
+            // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array:
+            // copy.
+            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                                 vertex_count);
+            if (copy != nullptr)
+                std::copy(vertices, vertices + 3 * vertex_count, static_cast<float*>(copy));
         } else {
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, 12, vertex_count);
+            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
+                                       12, vertex_count);
         }
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0, 12,
-                                   mesh.triangle_count());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh.triangles.data(), 0, 12, mesh.triangle_count());
 #if NEPHELE_EMBREE_MAJOR >= 4
         rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
 #endif
         return geometry;
     }
 
-    /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance would.
+    /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance
+    /// would.
     RTCGeometry place(const Mesh& mesh, const Transform& world_from_object) {
         const std::size_t count = mesh.positions.size() / 3;
-        std::vector<float>& out = placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
+        std::vector<float>& out =
+            placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
         for (std::size_t i = 0; i < count; ++i) {
             const float* p = mesh.positions.data() + 3 * i;
             const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
@@ -143,8 +155,9 @@ struct Intersector::Impl {
     RTCGeometry instance(RTCScene scene, const Transform& m) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, scene);
-        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x, m.row[1].x, m.row[1].y,
-                                m.row[1].z, m.translation.y, m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
+        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x,
+                                m.row[1].x, m.row[1].y, m.row[1].z, m.translation.y,
+                                m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
         return geometry;
     }
@@ -160,7 +173,8 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
                          std::span<const std::uint32_t> used)
     : impl_(std::make_unique<Impl>()), empty_(used.empty()) {
     std::map<std::uint32_t, int> uses;
-    for (const std::uint32_t i : used) ++uses[instances[i].mesh];
+    for (const std::uint32_t i : used)
+        ++uses[instances[i].mesh];
     std::map<std::uint32_t, RTCScene> shared;
     impl_->flipped.resize(instances.size());
     for (const std::uint32_t i : used) {
@@ -185,7 +199,9 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
 
 Intersector::~Intersector() = default;
 
-std::size_t Intersector::bytes() const { return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->memory, 0)); }
+std::size_t Intersector::bytes() const {
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->memory, 0));
+}
 
 Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
     Query query = query_of(filter, impl_->flipped);
@@ -232,12 +248,14 @@ void Intersector::self_test() {
     const auto version = rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_VERSION);
     const Hit hit = scene.intersect({{0.25f, 0.25f, 1}, {0, 0, -1}});
     if (version / 10000 != RTC_VERSION_MAJOR || !hit.valid() || std::fabs(hit.t - 1) > 1e-5f) {
-        throw std::runtime_error("the Embree library loaded by this process (version " + std::to_string(version) +
+        throw std::runtime_error("the Embree library loaded by this process (version " +
+                                 std::to_string(version) +
                                  ") is not the one this module was built with (" RTC_VERSION_STRING
                                  "); install the build of Nephele made for this Blender");
     }
     if (rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
-        throw std::runtime_error("this Embree library was built without filter functions; install one that has them");
+        throw std::runtime_error(
+            "this Embree library was built without filter functions; install one that has them");
     }
 }
 

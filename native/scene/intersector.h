@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ray queries against instanced triangle meshes: a thin layer over Embree (3 or 4) that knows nothing of materials.
-// Two intersectors serve a scene: one for surfaces, one for the meshes that bound media.
+// Ray queries against instanced triangle meshes: a thin layer over Embree (3 or 4) that knows nothing of
+// materials. Two intersectors serve a scene: one for surfaces, one for the meshes that bound media.
 #pragma once
 
 #include <functional>
@@ -25,15 +25,16 @@ struct Hit {
 
 /// Called for each triangle that a query meets, in no particular order. Returning true accepts the hit.
 class HitFilter {
-public:
+  public:
     virtual ~HitFilter() = default;
     virtual bool accept(const Hit& hit, bool front) = 0;
 };
 
 class Intersector {
-public:
+  public:
     /// Builds the hierarchy over the instances listed. Throws std::runtime_error naming the cause.
-    Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances, std::span<const std::uint32_t> used);
+    Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
+                std::span<const std::uint32_t> used);
     ~Intersector();
     Intersector(const Intersector&) = delete;
     Intersector& operator=(const Intersector&) = delete;
@@ -41,16 +42,17 @@ public:
     bool empty() const { return empty_; }
     /// Nearest hit in [t_min, t_max] that the filter (if any) accepts.
     Hit intersect(const Ray& ray, HitFilter* filter = nullptr) const;
-    /// Whether something in [t_min, t_max] is hit that the filter (if any) accepts. The filter sees every hit until then, once.
+    /// Whether something in [t_min, t_max] is hit that the filter (if any) accepts. The filter sees every hit
+    /// until then, once.
     bool occluded(const Ray& ray, HitFilter* filter = nullptr) const;
     /// Memory that Embree holds, bytes.
     std::size_t bytes() const;
 
-    /// Checks that the library bound at run time is the one compiled against: in a host process that carries another Embree
-    /// the wrong one may answer, with no hits and no error. Throws std::runtime_error.
+    /// Checks that the library bound at run time is the one compiled against: in a host process that carries
+    /// another Embree the wrong one may answer, with no hits and no error. Throws std::runtime_error.
     static void self_test();
 
-private:
+  private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
     bool empty_ = true;

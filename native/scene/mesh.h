@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Meshes and their instances, as the scene description gives them (addon/description.py states shapes and meanings).
+// Meshes and their instances, as the scene description gives them (addon/description.py states shapes and
+// meanings).
 #pragma once
 
 #include <array>
@@ -15,20 +16,24 @@ namespace nephele {
 /// A triangle mesh in object space. Per-corner arrays hold 3 entries a triangle.
 struct Mesh {
     std::string name;
-    Buffer<float> positions;               ///< 3 a vertex
-    Buffer<std::int32_t> triangles;        ///< 3 a triangle
-    Buffer<float> corner_normals;          ///< 9 a triangle, or empty: flat
-    std::vector<Buffer<float>> uvs;        ///< 6 a triangle
-    std::vector<Buffer<float>> attributes; ///< 12 a triangle: RGBA a corner
-    Buffer<std::int32_t> material_index;   ///< 1 a triangle, or empty: slot 0
+    Buffer<float> positions;                ///< 3 a vertex
+    Buffer<std::int32_t> triangles;         ///< 3 a triangle
+    Buffer<float> corner_normals;           ///< 9 a triangle, or empty: flat
+    std::vector<Buffer<float>> uvs;         ///< 6 a triangle
+    std::vector<Buffer<float>> attributes;  ///< 12 a triangle: RGBA a corner
+    Buffer<std::int32_t> material_index;    ///< 1 a triangle, or empty: slot 0
     Vec3f generated_min, generated_size;
 
     std::size_t triangle_count() const { return triangles.size() / 3; }
     Vec3f vertex(std::uint32_t triangle, int corner) const {
-        const float* p = positions.data() + 3 * static_cast<std::size_t>(triangles[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]);
+        const float* p = positions.data() +
+                         3 * static_cast<std::size_t>(
+                                 triangles[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]);
         return {p[0], p[1], p[2]};
     }
-    std::int32_t slot(std::uint32_t triangle) const { return material_index.empty() ? 0 : material_index[triangle]; }
+    std::int32_t slot(std::uint32_t triangle) const {
+        return material_index.empty() ? 0 : material_index[triangle];
+    }
 };
 
 /// A mesh placed in the world.

@@ -8,8 +8,8 @@
 
 namespace nephele {
 
-/// Runs `what`, putting the name of the thing at fault before the message of whatever it throws: std::invalid_argument, since it
-/// is the input that is at fault. Running out of memory is not, and passes.
+/// Runs `what`, putting the name of the thing at fault before the message of whatever it throws:
+/// std::invalid_argument, since it is the input that is at fault. Running out of memory is not, and passes.
 template <class F>
 auto naming(const std::string& name, F&& what) {
     try {

@@ -16,17 +16,22 @@ constexpr std::uint32_t kNoRegion = ~0u;
 void check_mesh(const Mesh& mesh) {
     const auto vertices = static_cast<std::int64_t>(mesh.positions.size() / 3);
     for (const std::int32_t i : mesh.triangles) {
-        if (i < 0 || i >= vertices) throw std::invalid_argument("a triangle names a vertex that does not exist");
+        if (i < 0 || i >= vertices)
+            throw std::invalid_argument("a triangle names a vertex that does not exist");
     }
     for (const float x : mesh.positions) {
-        if (!std::isfinite(x)) throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
+        if (!std::isfinite(x))
+            throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
     }
     const std::size_t n = mesh.triangle_count();
     const auto fits = [](std::size_t size, std::size_t wanted) { return size == 0 || size == wanted; };
     bool good = fits(mesh.corner_normals.size(), 9 * n) && fits(mesh.material_index.size(), n);
-    for (const auto& uv : mesh.uvs) good &= uv.size() == 6 * n;
-    for (const auto& attribute : mesh.attributes) good &= attribute.size() == 12 * n;
-    if (!good) throw std::invalid_argument("an array does not have one entry per triangle corner");
+    for (const auto& uv : mesh.uvs)
+        good &= uv.size() == 6 * n;
+    for (const auto& attribute : mesh.attributes)
+        good &= attribute.size() == 12 * n;
+    if (!good)
+        throw std::invalid_argument("an array does not have one entry per triangle corner");
 }
 
 /// One medium per closure; closures of the same field and g are one medium.
@@ -36,7 +41,8 @@ void merge_closures(std::vector<Medium>& media, std::size_t first, Medium medium
         const bool same_field = m.density.has_value() == medium.density.has_value() &&
                                 m.density_scales_emission == medium.density_scales_emission &&
                                 (!m.density || m.density->grid == medium.density->grid);
-        if (!same_field || m.g != medium.g) continue;
+        if (!same_field || m.g != medium.g)
+            continue;
         m.sigma_s += medium.sigma_s;
         m.sigma_t += medium.sigma_t;
         m.emission += medium.emission;
@@ -51,7 +57,8 @@ void check_closure(const VolumeClosure& c) {
             throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
         }
     }
-    if (!(std::fabs(c.g) < 1)) throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
+    if (!(std::fabs(c.g) < 1))
+        throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
 }
 
 }  // namespace
@@ -64,11 +71,14 @@ Scene::Scene(SceneSource source) : source_(std::move(source)) {
                   static_cast<float>(source_.camera.bottom), static_cast<float>(source_.camera.top)},
                  !camera_->perspective()};
     for (const Material& m : source_.materials) {
-        if (m.surface) naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });
+        if (m.surface)
+            naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });
         traits_.push_back(m.surface ? traits_of(*m.surface) : ProgramTraits{});
     }
-    if (source_.world.background) naming("world", [&] { validate(*source_.world.background, source_.images.size()); });
-    add_region(Region("world", Region::Kind::world, source_.world.visibility), source_.world.volume, 1, std::nullopt);
+    if (source_.world.background)
+        naming("world", [&] { validate(*source_.world.background, source_.images.size()); });
+    add_region(Region("world", Region::Kind::world, source_.world.visibility), source_.world.volume, 1,
+               std::nullopt);
     add_meshes();
     add_volumes();
     add_lights();
@@ -80,18 +90,25 @@ void Scene::add_region(Region region, const std::vector<VolumeClosure>& closures
     region.media_begin = static_cast<std::uint32_t>(media_.size());
     for (const VolumeClosure& c : closures) {
         naming(region.name, [&] { check_closure(c); });
-        Medium medium{region.name,       static_cast<std::uint32_t>(regions_.size()),
-                      c.sigma_s * scale, (c.sigma_s + c.sigma_a) * scale,
-                      c.emission * scale, c.g,
-                      c.grid().empty() ? std::nullopt : field, !c.emission_grid.empty()};
-        if (medium.interacts() || !is_zero(medium.emission)) merge_closures(media_, region.media_begin, std::move(medium));
+        Medium medium{region.name,
+                      static_cast<std::uint32_t>(regions_.size()),
+                      c.sigma_s * scale,
+                      (c.sigma_s + c.sigma_a) * scale,
+                      c.emission * scale,
+                      c.g,
+                      c.grid().empty() ? std::nullopt : field,
+                      !c.emission_grid.empty()};
+        if (medium.interacts() || !is_zero(medium.emission))
+            merge_closures(media_, region.media_begin, std::move(medium));
     }
     region.media_end = static_cast<std::uint32_t>(media_.size());
-    if (region.media_begin != region.media_end) regions_.push_back(std::move(region));
+    if (region.media_begin != region.media_end)
+        regions_.push_back(std::move(region));
 }
 
 void Scene::add_meshes() {
-    for (const Mesh& mesh : source_.meshes) naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
+    for (const Mesh& mesh : source_.meshes)
+        naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
     std::vector<std::uint32_t> surfaces, boundaries;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
@@ -101,12 +118,16 @@ void Scene::add_meshes() {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
             });
         };
-        if (has([](const Material* m) { return m == nullptr || m->surface; })) surfaces.push_back(i);
-        if (!has([](const Material* m) { return m != nullptr && !m->volume.empty(); })) continue;
-        const auto slot = std::find_if(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
-            return m >= 0 && !source_.materials[static_cast<std::size_t>(m)].volume.empty();
-        });
-        const std::vector<VolumeClosure>& closures = source_.materials[static_cast<std::size_t>(*slot)].volume;
+        if (has([](const Material* m) { return m == nullptr || m->surface; }))
+            surfaces.push_back(i);
+        if (!has([](const Material* m) { return m != nullptr && !m->volume.empty(); }))
+            continue;
+        const auto slot =
+            std::find_if(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
+                return m >= 0 && !source_.materials[static_cast<std::size_t>(m)].volume.empty();
+            });
+        const std::vector<VolumeClosure>& closures =
+            source_.materials[static_cast<std::size_t>(*slot)].volume;
         const std::size_t before = regions_.size();
         std::vector<VolumeClosure> constant = closures;
         for (VolumeClosure& c : constant) {  // a mesh has no grids: the factor is 1
@@ -114,7 +135,8 @@ void Scene::add_meshes() {
             c.emission_grid.clear();
         }
         add_region(Region(instance.name, Region::Kind::mesh, instance.visibility), constant, 1, std::nullopt);
-        if (regions_.size() == before) continue;
+        if (regions_.size() == before)
+            continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);
         boundaries.push_back(i);
     }

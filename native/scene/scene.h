@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The scene: immutable once built. `SceneSource` is what the bindings read from the description; `Scene` adds what rendering
-// needs: ray tracing hierarchies, grids with their majorants, light distributions.
+// The scene: immutable once built. `SceneSource` is what the bindings read from the description; `Scene` adds
+// what rendering needs: ray tracing hierarchies, grids with their majorants, light distributions.
 #pragma once
 
 #include <optional>
@@ -63,11 +63,11 @@ struct SceneSource {
 
 /// What a scene holds, decided once: the integrator is specialised by it.
 struct SceneFeatures {
-    bool media = false;         ///< any region with a medium
-    bool grids = false;         ///< any medium scaled by a grid
-    bool mesh_media = false;    ///< any medium bounded by a mesh
-    bool overlap = false;       ///< more than one medium
-    bool chromatic = false;     ///< sigma_t differs between channels
+    bool media = false;       ///< any region with a medium
+    bool grids = false;       ///< any medium scaled by a grid
+    bool mesh_media = false;  ///< any medium bounded by a mesh
+    bool overlap = false;     ///< more than one medium
+    bool chromatic = false;   ///< sigma_t differs between channels
     bool volume_emission = false;
     bool surfaces = false;
     bool transparent_surfaces = false;  ///< shadow rays may pass surfaces
@@ -87,8 +87,9 @@ struct GridUse {
 };
 
 class Scene {
-public:
-    /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at fault.
+  public:
+    /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at
+    /// fault.
     explicit Scene(SceneSource source);
 
     const SceneFeatures& features() const { return features_; }
@@ -113,13 +114,15 @@ public:
     std::uint32_t world_visibility() const { return source_.world.visibility; }
     static constexpr std::uint32_t kNoLight = ~0u;
     /// Number of the light that an instance's emissive triangles are, or kNoLight.
-    std::uint32_t light_of_instance(std::uint32_t instance) const { return mesh_light_of_instance_[instance]; }
+    std::uint32_t light_of_instance(std::uint32_t instance) const {
+        return mesh_light_of_instance_[instance];
+    }
     /// Number of an instance of this scene.
     std::uint32_t number_of(const Instance& instance) const {
         return static_cast<std::uint32_t>(&instance - source_.instances.data());
     }
 
-private:
+  private:
     struct SurfaceFilter;
     struct TransmittanceFilter;
     struct CrossingCollector;

@@ -13,8 +13,11 @@ namespace {
 std::pair<int, int> world_resolution(const Program& program, const std::vector<Image>& images) {
     int width = 256, height = 128;
     for (const Instruction& i : program.code) {
-        if (i.op != static_cast<int>(Op::environment) && i.op != static_cast<int>(Op::environment_mirror_ball)) continue;
-        const Image& image = images[static_cast<std::size_t>(program.parameters[static_cast<std::size_t>(i.parameter)])];
+        if (i.op != static_cast<int>(Op::environment) &&
+            i.op != static_cast<int>(Op::environment_mirror_ball))
+            continue;
+        const Image& image =
+            images[static_cast<std::size_t>(program.parameters[static_cast<std::size_t>(i.parameter)])];
         width = std::clamp(image.width, width, 4096);
         height = std::clamp(image.height, height, 2048);
     }
@@ -25,7 +28,8 @@ std::pair<int, int> world_resolution(const Program& program, const std::vector<I
 
 void Scene::add_lights() {
     std::vector<Lamp> lamps;
-    for (const LampDescription& d : source_.lamps) lamps.push_back(prepare_lamp(d));
+    for (const LampDescription& d : source_.lamps)
+        lamps.push_back(prepare_lamp(d));
 
     std::vector<MeshLight> mesh_lights;
     mesh_light_of_instance_.assign(source_.instances.size(), kNoLight);
@@ -35,12 +39,14 @@ void Scene::add_lights() {
         std::vector<float> radiance(source_.materials.size(), 0.0f);  // estimate, by material
         bool emits = false;
         for (const std::int32_t m : instance.materials) {
-            if (m < 0 || !traits_[static_cast<std::size_t>(m)].emissive) continue;
+            if (m < 0 || !traits_[static_cast<std::size_t>(m)].emissive)
+                continue;
             const auto& known = traits_[static_cast<std::size_t>(m)].constant_emission;
             radiance[static_cast<std::size_t>(m)] = known ? luminance(*known) : 1.0f;
             emits |= radiance[static_cast<std::size_t>(m)] > 0;
         }
-        if (!emits) continue;
+        if (!emits)
+            continue;
         std::vector<float> of_triangle(mesh.triangle_count());
         for (std::uint32_t t = 0; t < of_triangle.size(); ++t) {
             const std::int32_t m = instance.material_of(mesh, t);
@@ -52,9 +58,10 @@ void Scene::add_lights() {
 
     std::shared_ptr<const EnvironmentLight> world;
     if (source_.world.background) {
-        const auto [width, height] = world_resolution(*source_.world.background, source_.images);
+        const std::pair<int, int> size = world_resolution(*source_.world.background, source_.images);
         naming("world", [&] {
-            world = std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); }, width, height);
+            world = std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); },
+                                                       size.first, size.second);
         });
     }
     lights_ = LightSet(std::move(lamps), std::move(mesh_lights), std::move(world));
@@ -62,7 +69,8 @@ void Scene::add_lights() {
 
 void Scene::decide_features() {
     SceneFeatures& f = features_;
-    for (const Region& r : regions_) f.mesh_media |= r.kind == Region::Kind::mesh;
+    for (const Region& r : regions_)
+        f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
         f.grids |= m.density.has_value();
         f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
@@ -74,7 +82,8 @@ void Scene::decide_features() {
     for (const Instance& instance : source_.instances) {
         f.hidden_surfaces |= (~instance.visibility & 0x3fu) != 0;
         for (const std::int32_t m : instance.materials) {
-            if (m < 0) continue;
+            if (m < 0)
+                continue;
             f.hidden_surfaces |= !source_.materials[static_cast<std::size_t>(m)].surface;
             f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
         }
@@ -110,7 +119,8 @@ constexpr FeatureName kFeatureNames[] = {
 std::vector<std::string> SceneFeatures::list(bool present) const {
     std::vector<std::string> names;
     for (const FeatureName& f : kFeatureNames) {
-        if (this->*f.flag == present) names.emplace_back(f.name);
+        if (this->*f.flag == present)
+            names.emplace_back(f.name);
     }
     return names;
 }

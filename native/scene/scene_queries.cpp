@@ -12,13 +12,11 @@ struct Scene::SurfaceFilter final : HitFilter {
     std::uint32_t ray_kind;
 
     SurfaceFilter(const Scene& s, std::uint32_t kind) : scene(s), ray_kind(kind) {}
-    bool accept(const Hit& hit, bool) override {
-        return scene.is_surface(hit, ray_kind);
-    }
+    bool accept(const Hit& hit, bool) override { return scene.is_surface(hit, ray_kind); }
 };
 
-/// Multiplies the transparencies of all that a shadow ray meets, and stops at what is opaque. Products commute, so the order
-/// in which hits come does not matter.
+/// Multiplies the transparencies of all that a shadow ray meets, and stops at what is opaque. Products
+/// commute, so the order in which hits come does not matter.
 struct Scene::TransmittanceFilter final : HitFilter {
     const Scene& scene;
     const Ray& ray;
@@ -26,9 +24,11 @@ struct Scene::TransmittanceFilter final : HitFilter {
 
     TransmittanceFilter(const Scene& s, const Ray& r) : scene(s), ray(r) {}
     bool accept(const Hit& hit, bool) override {
-        if (!scene.is_surface(hit, kShadowRay)) return false;
+        if (!scene.is_surface(hit, kShadowRay))
+            return false;
         const auto material = scene.material_of(hit);
-        if (material < 0 || !scene.traits_[static_cast<std::size_t>(material)].may_transmit_straight) return true;
+        if (material < 0 || !scene.traits_[static_cast<std::size_t>(material)].may_transmit_straight)
+            return true;
         const Program& program = *scene.source_.materials[static_cast<std::size_t>(material)].surface;
         transmittance *=
             evaluate_transparency(program, scene.shading_point(hit, ray, kShadowRay), scene.textures_);
@@ -54,21 +54,26 @@ std::int32_t Scene::material_of(const Hit& hit) const {
 }
 
 bool Scene::is_surface(const Hit& hit, std::uint32_t ray_kind) const {
-    if ((source_.instances[hit.instance].visibility & ray_kind) == 0) return false;
+    if ((source_.instances[hit.instance].visibility & ray_kind) == 0)
+        return false;
     const auto material = material_of(hit);
     return material < 0 || source_.materials[static_cast<std::size_t>(material)].surface.has_value();
 }
 
 Hit Scene::intersect(const Ray& ray, std::uint32_t ray_kind) const {
-    if (surfaces_->empty()) return {};
-    if (!features_.hidden_surfaces) return surfaces_->intersect(ray);
+    if (surfaces_->empty())
+        return {};
+    if (!features_.hidden_surfaces)
+        return surfaces_->intersect(ray);
     SurfaceFilter filter(*this, ray_kind);
     return surfaces_->intersect(ray, &filter);
 }
 
 Rgb Scene::surface_transmittance(const Ray& ray) const {
-    if (surfaces_->empty()) return Rgb(1);
-    if (!features_.hidden_surfaces && !features_.transparent_surfaces) return Rgb(surfaces_->occluded(ray) ? 0.0f : 1.0f);
+    if (surfaces_->empty())
+        return Rgb(1);
+    if (!features_.hidden_surfaces && !features_.transparent_surfaces)
+        return Rgb(surfaces_->occluded(ray) ? 0.0f : 1.0f);
     TransmittanceFilter filter(*this, ray);
     return surfaces_->occluded(ray, &filter) ? Rgb(0) : filter.transmittance;
 }
@@ -76,19 +81,25 @@ Rgb Scene::surface_transmittance(const Ray& ray) const {
 void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const {
     out.ray = ray;
     out.intervals.clear();
-    const auto media_of = [&](const Region& r) { return std::pair(&media_[r.media_begin], &media_[r.media_begin] + (r.media_end - r.media_begin)); };
+    const auto media_of = [&](const Region& r) {
+        return std::pair(&media_[r.media_begin], &media_[r.media_begin] + (r.media_end - r.media_begin));
+    };
     for (const Region& region : regions_) {
-        if ((region.visibility & ray_kind) == 0 || region.kind == Region::Kind::mesh) continue;
+        if ((region.visibility & ray_kind) == 0 || region.kind == Region::Kind::mesh)
+            continue;
         Vec2f span{ray.t_min, ray.t_max};
         if (region.kind == Region::Kind::box) {
             const auto inside = region.intersect_box(ray);
-            if (!inside) continue;
+            if (!inside)
+                continue;
             span = *inside;
         }
         const auto [begin, end] = media_of(region);
-        for (const Medium* m = begin; m != end; ++m) out.intervals.push_back({m, span.x, span.y});
+        for (const Medium* m = begin; m != end; ++m)
+            out.intervals.push_back({m, span.x, span.y});
     }
-    if (!features_.mesh_media) return;
+    if (!features_.mesh_media)
+        return;
     out.crossings.clear();
     CrossingCollector collector(*this, out.crossings);
     boundaries_->intersect({ray.o, ray.d, ray.t_min, kInfinity}, &collector);
@@ -96,10 +107,12 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
         return std::tie(a.region, a.t, a.sign) < std::tie(b.region, b.t, b.sign);
     });
     for (auto first = out.crossings.begin(); first != out.crossings.end();) {
-        const auto last = std::find_if(first, out.crossings.end(), [&](const Crossing& c) { return c.region != first->region; });
+        const auto last = std::find_if(first, out.crossings.end(),
+                                       [&](const Crossing& c) { return c.region != first->region; });
         const Region& region = regions_[first->region];
         const auto [begin, end] = media_of(region);
-        if ((region.visibility & ray_kind) != 0) add_mesh_intervals(&*first, &*first + (last - first), begin, end, out);
+        if ((region.visibility & ray_kind) != 0)
+            add_mesh_intervals(&*first, &*first + (last - first), begin, end, out);
         first = last;
     }
 }
@@ -114,17 +127,22 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
     point.wo = -ray.d;
     point.ray_kind = ray_kind;
     point.barycentric = {1 - hit.u - hit.v, hit.u, hit.v};
-    const Vec3f a = mesh.vertex(hit.triangle, 0), b = mesh.vertex(hit.triangle, 1), c = mesh.vertex(hit.triangle, 2);
+    const Vec3f a = mesh.vertex(hit.triangle, 0), b = mesh.vertex(hit.triangle, 1),
+                c = mesh.vertex(hit.triangle, 2);
     const Vec3f& w = point.barycentric;
     point.object_p = a * w.x + b * w.y + c * w.z;
     point.p = instance.world_from_object.point(point.object_p);
-    const auto world_normal = [&](Vec3f n) { return safe_normalize(instance.object_from_world.transposed_vector(n)); };
+    const auto world_normal = [&](Vec3f n) {
+        return safe_normalize(instance.object_from_world.transposed_vector(n));
+    };
     point.ng = world_normal(cross(b - a, c - a));
     point.ns = point.ng;
     if (!mesh.corner_normals.empty()) {
         const float* n = mesh.corner_normals.data() + 9 * std::size_t{hit.triangle};
-        const Vec3f smooth = Vec3f(n[0], n[1], n[2]) * w.x + Vec3f(n[3], n[4], n[5]) * w.y + Vec3f(n[6], n[7], n[8]) * w.z;
-        if (!is_zero(smooth)) point.ns = world_normal(smooth);
+        const Vec3f smooth =
+            Vec3f(n[0], n[1], n[2]) * w.x + Vec3f(n[3], n[4], n[5]) * w.y + Vec3f(n[6], n[7], n[8]) * w.z;
+        if (!is_zero(smooth))
+            point.ns = world_normal(smooth);
     }
     point.backfacing = dot(point.ng, point.wo) < 0;
     if (point.backfacing) {
@@ -140,7 +158,8 @@ const Program* Scene::program_of(const ShadingPoint& point) const {
 }
 
 Rgb Scene::background(Vec3f d, std::uint32_t ray_kind) const {
-    if (!source_.world.background || (source_.world.visibility & ray_kind) == 0) return Rgb(0);
+    if (!source_.world.background || (source_.world.visibility & ray_kind) == 0)
+        return Rgb(0);
     ShadingPoint point;
     point.p = point.object_p = point.ng = point.ns = d;
     point.wo = -d;
@@ -148,6 +167,8 @@ Rgb Scene::background(Vec3f d, std::uint32_t ray_kind) const {
     return evaluate_emission(*source_.world.background, point, textures_);
 }
 
-std::size_t Scene::hierarchy_bytes() const { return surfaces_->bytes() + boundaries_->bytes(); }
+std::size_t Scene::hierarchy_bytes() const {
+    return surfaces_->bytes() + boundaries_->bytes();
+}
 
 }  // namespace nephele

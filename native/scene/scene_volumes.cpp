@@ -35,25 +35,29 @@ void Scene::add_volumes() {
     }
 }
 
-/// Names of the grids that the volume's material reads and its file has; a warning for each that it has not. Where
-/// none is read, the file's first grid, whose box the constant coefficients fill.
+/// Names of the grids that the volume's material reads and its file has; a warning for each that it has not.
+/// Where none is read, the file's first grid, whose box the constant coefficients fill.
 std::vector<std::string> Scene::grids_to_load(const VolumeSource& volume) {
     std::set<std::string> wanted;
     for (const VolumeClosure& c : source_.materials.at(volume.material).volume) {
-        if (!c.grid().empty()) wanted.insert(c.grid());
+        if (!c.grid().empty())
+            wanted.insert(c.grid());
     }
     std::vector<std::string> available, found;
-    for (const GridInfo& info : list_grids(volume.path)) available.push_back(info.name);
-    if (wanted.empty() && !available.empty()) return {available.front()};
+    for (const GridInfo& info : list_grids(volume.path))
+        available.push_back(info.name);
+    if (wanted.empty() && !available.empty())
+        return {available.front()};
     for (const std::string& name : wanted) {
         if (std::find(available.begin(), available.end(), name) != available.end()) {
             found.push_back(name);
             continue;
         }
         std::string list;
-        for (const auto& a : available) list += (list.empty() ? "'" : ", '") + a + "'";
-        warnings_.push_back("volume '" + volume.name + "': " + volume.path + " has no grid '" + name + "' (it has " +
-                            (list.empty() ? "none" : list) + "); what reads it is left out");
+        for (const auto& a : available)
+            list += (list.empty() ? "'" : ", '") + a + "'";
+        warnings_.push_back("volume '" + volume.name + "': " + volume.path + " has no grid '" + name +
+                            "' (it has " + (list.empty() ? "none" : list) + "); what reads it is left out");
     }
     return found;
 }
@@ -63,26 +67,32 @@ void Scene::add_volume(const VolumeSource& volume) {
     bool first = true;
     for (const std::string& name : grids_to_load(volume)) {
         const LoadedGrid loaded = load_grid(volume.path, name);
-        for (const std::string& w : loaded.warnings) warnings_.push_back("volume '" + volume.name + "': " + w);
+        for (const std::string& w : loaded.warnings)
+            warnings_.push_back("volume '" + volume.name + "': " + w);
         std::vector<VolumeClosure> mine;  // those that read this grid; constants go with the first
         float sigma = 0;
         bool read = false;
         for (const VolumeClosure& c : closures) {
-            if (c.grid() != name && !(first && c.grid().empty())) continue;
+            if (c.grid() != name && !(first && c.grid().empty()))
+                continue;
             mine.push_back(c);
-            if (!c.density_grid.empty()) sigma += max_component(c.sigma_s + c.sigma_a) * volume.density_scale;
+            if (!c.density_grid.empty())
+                sigma += max_component(c.sigma_s + c.sigma_a) * volume.density_scale;
             read |= !c.grid().empty();
         }
         first = false;
         Transform world_from_index;
         Region region = box_region(volume, loaded, world_from_index);
-        if (loaded.grid->active_bounds().empty()) continue;
+        if (loaded.grid->active_bounds().empty())
+            continue;
         std::optional<DensityField> field;
         if (read) {
             // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.
             const float voxel = std::cbrt(std::fabs(world_from_index.determinant()));
-            field = DensityField{loaded.grid, std::make_shared<MajorantGrid>(*loaded.grid, sigma * voxel), region.index_from_world};
-            grids_.push_back({volume.name, volume.path, name, static_cast<std::size_t>(loaded.grid->active_voxels()),
+            field = DensityField{loaded.grid, std::make_shared<MajorantGrid>(*loaded.grid, sigma * voxel),
+                                 region.index_from_world};
+            grids_.push_back({volume.name, volume.path, name,
+                              static_cast<std::size_t>(loaded.grid->active_voxels()),
                               loaded.grid->bytes() + field->majorants->bytes()});
         }
         add_region(std::move(region), mine, volume.density_scale, field);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The candidate stream: a Poisson process along a ray whose rate is the sum of the majorants of all media there
-// (design: null-collision methods, Miller, Georgiev, Jarosz 2019). Distance and transmittance estimators are
-// loops over it.
+// The candidate stream: a Poisson process along a ray whose rate is the sum of the majorants of all media
+// there (design: null-collision methods, Miller, Georgiev, Jarosz 2019). Distance and transmittance
+// estimators are loops over it.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct Counters {
 
 /// The majorant of one interval, piece by piece.
 class MajorantTrack {
-public:
+  public:
     /// `global`: one bound for the whole grid, for the plain integrator and comparisons.
     MajorantTrack(const Interval& interval, const Ray& ray, bool global) : interval_(interval) {
         const Medium& m = *interval.medium;
@@ -39,41 +39,45 @@ public:
     bool empty() const { return walk_ && field_majorant_ == 0; }
     /// Moves to the piece after piece_end(); false at the interval's end.
     bool advance() {
-        if (piece_end_ >= interval_.t1) return false;
+        if (piece_end_ >= interval_.t1)
+            return false;
         if (!walk_) {
             piece_end_ = interval_.t1;
             majorant_ = global_majorant_;
             return true;
         }
         MajorantPiece piece;
-        if (!walk_->next(piece)) return false;
+        if (!walk_->next(piece))
+            return false;
         piece_end_ = piece.t_end;
         field_majorant_ = piece.majorant;
         majorant_ = piece.majorant * interval_.medium->sigma_t_max();
         return true;
     }
 
-    /// Density at t of the current piece. Its expectation over the random numbers is the trilinear filter's value, and it never
-    /// exceeds the piece's majorant.
+    /// Density at t of the current piece. Its expectation over the random numbers is the trilinear filter's
+    /// value, and it never exceeds the piece's majorant.
     float density(const Ray& ray, float t, Rng& rng, Counters& counters) const {
         const Medium& m = *interval_.medium;
-        if (!m.density) return 1;
+        if (!m.density)
+            return 1;
         ++counters.density_lookups;
         const Vec3f p = walk_ ? walk_->point(t) : m.density->index_from_world.point(ray.at(t));
         return m.density->grid->stochastic(p, rng.next3());
     }
 
-private:
+  private:
     Interval interval_;
     std::optional<MajorantWalk> walk_;
     float piece_end_, majorant_ = 0, field_majorant_ = 0, global_majorant_ = 0;
 };
 
-/// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between events (candidates
-/// and piece ends), `candidate(t, majorant, tracks)` for every candidate; it returns false to stop. The rate at t is the sum of the
-/// majorants of the tracks that are active at t.
+/// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
+/// events (candidates and piece ends), `candidate(t, majorant, tracks)` for every candidate; it returns false
+/// to stop. The rate at t is the sum of the majorants of the tracks that are active at t.
 template <class Piece, class Candidate>
-void for_each_candidate(std::vector<MajorantTrack>& tracks, float t, Rng& rng, Piece&& piece, Candidate&& candidate) {
+void for_each_candidate(std::vector<MajorantTrack>& tracks, float t, Rng& rng, Piece&& piece,
+                        Candidate&& candidate) {
     float tau = rng.next_exponential();
     for (;;) {
         float end = kInfinity, majorant = 0;
@@ -94,16 +98,19 @@ void for_each_candidate(std::vector<MajorantTrack>& tracks, float t, Rng& rng, P
             any = true;
             ++i;
         }
-        if (!any) return;
+        if (!any)
+            return;
         while (majorant * (end - t) > tau) {
             const float at = std::min(t + tau / majorant, end);
             piece(t, at);
             t = at;
             tau = rng.next_exponential();
-            if (!candidate(t, majorant, tracks)) return;
+            if (!candidate(t, majorant, tracks))
+                return;
         }
         piece(t, end);
-        if (end == kInfinity) return;  // nothing is left that could end the ray
+        if (end == kInfinity)
+            return;  // nothing is left that could end the ray
         tau -= majorant > 0 ? majorant * (end - t) : 0;
         t = end;
     }

@@ -10,7 +10,21 @@ import numpy as np
 import pytest
 from nephele import description as d
 from nephele import passes as pass_table
-from truth import NO_LIMIT, RAY, Scene, box, diffuse, emission, facing, finished, half_world, orthographic, perspective, placed, sphere
+from truth import (
+    NO_LIMIT,
+    RAY,
+    Scene,
+    box,
+    diffuse,
+    emission,
+    facing,
+    finished,
+    half_world,
+    orthographic,
+    perspective,
+    placed,
+    sphere,
+)
 
 GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
 ALL = tuple(p.name for p in pass_table.PASSES)
@@ -21,7 +35,9 @@ def small_world():
     sky = half_world((0.3, 0.5, 1.0), 0.1)
     lamp = d.Light("lamp", "area", facing((1, -1, 2), (0, 0, 0)), (50.0, 40.0, 30.0))
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0), 0.4), sky, lights=(lamp,))
-    scene.add_volume(GRID, d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), 0.5, density_grid="density"))
+    scene.add_volume(
+        GRID, d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), 0.5, density_grid="density")
+    )
     scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse((0.8, 0.6, 0.4)))
     scene.add(sphere(0.3, 2), emission((3.0, 2.0, 1.0)), (), placed(-1, -0.6, -0.3))
     return scene.add(box((0, -1, -1), (1.2, 1, 0.4)), None, (d.VolumeClosure((0.3, 0.2, 0.1), g=-0.3),))
@@ -118,7 +134,9 @@ def test_cancel_is_answered_at_once(make):
 
 
 def test_time_limit_ends_the_render():
-    renderer = nephele_native.Renderer(small_world().description(64, ("Combined", "Sample Count"), samples=2**20, time_limit=0.5))
+    renderer = nephele_native.Renderer(
+        small_world().description(64, ("Combined", "Sample Count"), samples=2**20, time_limit=0.5)
+    )
     began = time.monotonic()
     renderer.start()
     assert renderer.wait(60)
@@ -148,12 +166,18 @@ def test_passes_do_not_change_each_other(reference):
 
 def test_volume_and_surface_add_up_and_variance_is_that_of_the_mean():
     spread = small_world().description(
-        (24, 16), ("Combined", "Volume", "Surface", "Variance", "Sample Count"), samples=64, sampler="independent"
+        (24, 16),
+        ("Combined", "Volume", "Surface", "Variance", "Sample Count"),
+        samples=64,
+        sampler="independent",
     )
     images = finished(spread)
     assert np.allclose(images["Volume"] + images["Surface"], images["Combined"], rtol=1e-6, atol=1e-7)
     assert np.all(images["Sample Count"] == 64)
-    seeds = [small_world().render(size=(24, 16), samples=64, sampler="independent", seed=s)["Combined"] for s in range(1, 25)]
+    seeds = [
+        small_world().render(size=(24, 16), samples=64, sampler="independent", seed=s)["Combined"]
+        for s in range(1, 25)
+    ]
     measured = np.var(seeds, axis=0, ddof=1).mean()  # of 24 seeds x 1152 values
     assert images["Variance"].mean() == pytest.approx(measured, rel=0.1)
 
@@ -171,7 +195,9 @@ def test_features_of_a_plane():
     assert np.allclose(images["Depth"][..., 0], 8**0.5 + rows[:, None], atol=0.5 / 16)
     assert np.allclose(images["Normal"], (0, 0, 1), atol=1e-6)
     assert np.allclose(images["Albedo"], (0.2, 0.5, 0.9), rtol=1e-6)
-    assert np.allclose(images["Transmittance"][7:9].mean((0, 1)), np.exp(-(8**0.5) * np.array([0.2, 0.4, 0.6])), rtol=0.01)
+    assert np.allclose(
+        images["Transmittance"][7:9].mean((0, 1)), np.exp(-(8**0.5) * np.array([0.2, 0.4, 0.6])), rtol=0.01
+    )
     assert not images["Emission"].any()
     scattered = images["Volume Albedo"].max(-1) > 0
     assert np.allclose(images["Volume Albedo"].sum((0, 1)) / images["Volume Albedo"][..., :1].sum((0, 1)), 1)
@@ -179,7 +205,9 @@ def test_features_of_a_plane():
 
 
 def test_empty_pixels_say_so():
-    images = Scene(perspective((0, 0, 5), (0, 0, 9))).render(("Depth", "Mist", "Albedo", "Combined"), size=4, samples=2)
+    images = Scene(perspective((0, 0, 5), (0, 0, 9))).render(
+        ("Depth", "Mist", "Albedo", "Combined"), size=4, samples=2
+    )
     assert np.all(images["Depth"] == np.float32(1e10))
     assert np.all(images["Mist"] == 1)
     assert not images["Albedo"].any()

@@ -50,7 +50,9 @@ def test_f12_renders_the_bundled_cloud(bpy, scene, tmp_path):
     combined = np.stack([channels[f"ViewLayer.Combined.{c}"] for c in "RGBA"], axis=-1)
     assert combined.shape == (32, 48, 4) and np.isfinite(combined).all()
     sky, ground = combined[:4, :8, :3].mean(axis=(0, 1)), combined[-4:, :8, :3].mean(axis=(0, 1))
-    assert sky[2] > sky[0] and ground[0] > ground[2]  # blue above, sand below: the picture is the right way up
+    assert (
+        sky[2] > sky[0] and ground[0] > ground[2]
+    )  # blue above, sand below: the picture is the right way up
 
 
 def test_every_pass_of_the_add_on_arrives(bpy, scene, tmp_path):
@@ -62,7 +64,9 @@ def test_every_pass_of_the_add_on_arrives(bpy, scene, tmp_path):
         setattr(layer.nephele, toggle, True)
     layer.use_pass_z = layer.use_pass_normal = layer.use_pass_mist = True
     names = [row.name for row in engine.enabled_passes(layer)]
-    assert {"Volume", "Surface", "Transmittance", "Variance", "Sample Count", "Cost", "Depth", "Mist"} < set(names)
+    assert {"Volume", "Surface", "Transmittance", "Variance", "Sample Count", "Cost", "Depth", "Mist"} < set(
+        names
+    )
     channels = render(bpy, tmp_path / "passes.exr")
     for row in engine.enabled_passes(layer):
         for channel in row.channels:

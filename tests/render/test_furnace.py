@@ -13,11 +13,24 @@ import numpy as np
 import pytest
 from nephele import description as d
 from truth import (
-    BOX_FILTER, NO_LIMIT, Scene, assert_blocks, assert_mean, box, diffuse, emission, glass, joined, perspective, placed,
+    BOX_FILTER,
+    NO_LIMIT,
+    Scene,
+    assert_blocks,
+    assert_mean,
+    box,
+    diffuse,
+    emission,
+    glass,
+    joined,
+    perspective,
+    placed,
     sphere,
 )  # fmt: skip
 
-GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"  # a rough ball, radius 0.9
+GRID = (
+    Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
+)  # a rough ball, radius 0.9
 OUTSIDE, INSIDE = ((3.1, -1.2, 0.9), (0, 0, 0)), ((0.1, 0.05, -0.1), (1, 0.3, 0.2))
 WHITE = emission(1.0)
 SIGMA_S = {"grey": (3.0, 3.0, 3.0), "chromatic": (1.0, 3.0, 8.0)}
@@ -37,14 +50,18 @@ def check(scene, expected=1.0, samples=256, most=0.004, **settings):
 @pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
 @pytest.mark.parametrize("color", SIGMA_S)
 def test_furnace_of_a_homogeneous_mesh(view, g, color):
-    check(Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (medium(SIGMA_S[color], g),)))
+    check(
+        Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (medium(SIGMA_S[color], g),))
+    )
 
 
 @pytest.mark.parametrize("view", [OUTSIDE, INSIDE], ids=["outside", "inside"])
 @pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
 @pytest.mark.parametrize("color", SIGMA_S)
 def test_furnace_of_a_grid(view, g, color):
-    check(Scene(perspective(*view), WHITE).add_volume(GRID, medium(SIGMA_S[color], g, density_grid="density")))
+    check(
+        Scene(perspective(*view), WHITE).add_volume(GRID, medium(SIGMA_S[color], g, density_grid="density"))
+    )
 
 
 @pytest.mark.parametrize(
@@ -54,7 +71,10 @@ def test_furnace_of_a_grid(view, g, color):
 )
 def test_furnace_of_overlapping_chromatic_media(settings):
     """A grid with two closures, two meshes that cut through it, one of them around the camera."""
-    closures = (medium((1, 2, 4), 0.7, density_grid="density"), medium((2, 1, 0.5), -0.3, density_grid="density"))
+    closures = (
+        medium((1, 2, 4), 0.7, density_grid="density"),
+        medium((2, 1, 0.5), -0.3, density_grid="density"),
+    )
     scene = Scene(perspective((1.2, 0.1, 0.2), (0, 0, 0)), WHITE).add_volume(GRID, *closures)
     scene.add(box((0, -1, -1), (1.5, 1, 1), "right"), None, (medium((0.2, 1, 3), 0.5),))
     scene.add(sphere(0.8, 2), None, (medium((2, 0.3, 0), 0.0),), placed(0.4, 0.3, 0))
@@ -90,8 +110,12 @@ def test_furnace_of_lossless_glass_with_a_medium_inside(roughness):
 
 def test_furnace_of_a_white_room_in_a_medium():
     """Surfaces inside media inside media: a diffuse ball in a grid in a box."""
-    scene = Scene(perspective(*OUTSIDE), WHITE).add_volume(GRID, medium((2, 2, 2), 0.4, density_grid="density"))
-    scene.add(sphere(0.5, 3), diffuse(1.0)).add(box((-1, -1, -1), (1, 1, 1)), None, (medium((0.5, 1, 2), 0.0),))
+    scene = Scene(perspective(*OUTSIDE), WHITE).add_volume(
+        GRID, medium((2, 2, 2), 0.4, density_grid="density")
+    )
+    scene.add(sphere(0.5, 3), diffuse(1.0)).add(
+        box((-1, -1, -1), (1, 1, 1)), None, (medium((0.5, 1, 2), 0.0),)
+    )
     check(scene)
 
 
@@ -101,7 +125,9 @@ def test_shining_world_in_balance(g):
     its own: radiance j / sigma_a everywhere."""
     sigma_s, sigma_a, j = np.array([1.0, 2.0, 0.5]), np.array([0.5, 1.0, 2.0]), np.array([2.0, 1.0, 3.0])
     shining = d.VolumeClosure(tuple(sigma_s), tuple(sigma_a), tuple(j), g)
-    scene = Scene(perspective((0, -4, 0.5), (0, 0, 0)), world_volume=(shining,)).add(sphere(1.0, 3), diffuse(1.0))
+    scene = Scene(perspective((0, -4, 0.5), (0, 0, 0)), world_volume=(shining,)).add(
+        sphere(1.0, 3), diffuse(1.0)
+    )
     check(scene, j / sigma_a, most=0.01)
 
 

@@ -9,8 +9,20 @@ import pytest
 import scipy.integrate
 from nephele import description as d
 from truth import (
-    BOX_FILTER, NO_LIMIT, Scene, assert_mean, box, diffuse, emission, facing, joined, orthographic, perspective, placed,
-    sphere, volume_of,
+    BOX_FILTER,
+    NO_LIMIT,
+    Scene,
+    assert_mean,
+    box,
+    diffuse,
+    emission,
+    facing,
+    joined,
+    orthographic,
+    perspective,
+    placed,
+    sphere,
+    volume_of,
 )  # fmt: skip
 
 # Fluence rate phi(r), W/m^2, of an isotropic point source of 1 W in an infinite medium that scatters isotropically,
@@ -43,7 +55,9 @@ def test_fluence_of_a_source_in_an_endless_medium(r, integrator):
     medium = d.VolumeClosure((0.5, 0.9, 0.5), (0.5, 0.1, 0.5))
     scene = Scene(perspective((0, 0, 0), (0.3, 1, 0.2)), world_volume=(medium,))
     scene.add(shell, None, (d.VolumeClosure(emission=(j, j, j)),))
-    image = scene.render(size=64, samples=128, integrator=integrator, seed=2, **NO_LIMIT, **BOX_FILTER)["Combined"]
+    image = scene.render(size=64, samples=128, integrator=integrator, seed=2, **NO_LIMIT, **BOX_FILTER)[
+        "Combined"
+    ]
     power = 4 * np.pi * j * volume_of(shell)
     phi = np.array([shell_average(a, r, half) for a in (0.5, 0.9, 0.5)])
     # 5e-4: the spheres are polyhedra, whose vertices lie 0.1 % further out than their faces.
@@ -57,7 +71,9 @@ def test_airlight_of_a_lamp_by_single_scattering(lamp):
     sigma_s, sigma_t, h, power = np.array([0.2, 0.5, 1.0]), np.array([0.4, 0.5, 1.5]), 0.7, 10.0
     radius = 0.02 if lamp == "ball" else 0.0
     kind = "spot" if lamp == "spot" else "point"
-    light = d.Light(lamp, kind, facing((0, h, 0), (0, 0, 0)), (power,) * 3, radius=radius, spot_size=1.2, spot_blend=0.0)
+    light = d.Light(
+        lamp, kind, facing((0, h, 0), (0, 0, 0)), (power,) * 3, radius=radius, spot_size=1.2, spot_blend=0.0
+    )
     medium = d.VolumeClosure(tuple(sigma_s), tuple(sigma_t - sigma_s))
     view = orthographic((-2.0, 0, 0), (0, 0, 0), 1e-4)
     image = Scene(view, world_volume=(medium,), lights=(light,)).render(
@@ -87,7 +103,9 @@ def test_mean_transmittance_of_an_absorbing_ball(integrator):
     passes = ("Combined", "Transmittance") if integrator == "path" else ("Combined",)
     images = scene.render(passes, size=64, samples=128, integrator=integrator, **BOX_FILTER)
     expected = np.pi / 4 * ball + 1 - np.pi / 4  # the ball fills pi/4 of the square picture
-    for name in passes:  # pixels differ, but each is estimated by itself: the spread bounds the error from above
+    for (
+        name
+    ) in passes:  # pixels differ, but each is estimated by itself: the spread bounds the error from above
         assert_mean(images[name], expected, sigmas=1.0, most=0.02)
         assert np.abs(images[name].mean((0, 1)) / expected - 1).max() < (2e-3 if name == "Combined" else 1e-3)
 
@@ -110,7 +128,9 @@ def test_emission_through_an_absorbing_slab(settings):
 def test_transmittance_of_overlapping_boxes_multiplies():
     """Two boxes and the world overlap; the transmittance up to a wall behind them is exact, chromatic."""
     world, one, two = np.array([0.01, 0.02, 0.0]), np.array([0.5, 1.0, 2.0]), np.array([1.0, 0.1, 0.0])
-    scene = Scene(orthographic((6, 0.1, 0.2), (0, 0.1, 0.2)), world_volume=(d.VolumeClosure(sigma_a=tuple(world)),))
+    scene = Scene(
+        orthographic((6, 0.1, 0.2), (0, 0.1, 0.2)), world_volume=(d.VolumeClosure(sigma_a=tuple(world)),)
+    )
     scene.add(box((-1, -1, -1), (1, 1, 1)), None, (d.VolumeClosure(tuple(one / 2), tuple(one / 2)),))
     scene.add(box((0, -1, -1), (3, 1, 1)), None, (d.VolumeClosure(sigma_a=tuple(two)),))
     scene.add(box((-5, -9, -9), (-4, 9, 9)), diffuse(0.5))

@@ -75,7 +75,9 @@ def test_slab_under_diffuse_light_is_adding_doubling(g, b, side):
         assert_mean(radiance(scene, 128), expected, rounding=HALF_DIGIT / expected, most=0.01)
 
 
-@pytest.mark.parametrize("settings", [{"majorant": "grid"}, {"majorant": "global", "tracking": "delta"}], ids=str)
+@pytest.mark.parametrize(
+    "settings", [{"majorant": "grid"}, {"majorant": "global", "tracking": "delta"}], ids=str
+)
 def test_slab_of_a_grid_is_adding_doubling(tmp_path, openvdb, settings):
     """A slab knows its optical thickness alone: the ramps of interpolation at its faces change nothing."""
     grid = openvdb.FloatGrid()
@@ -86,7 +88,9 @@ def test_slab_of_a_grid_is_adding_doubling(tmp_path, openvdb, settings):
     stretch[:3, 3] = -1550, -1550, 0.5 / 32
     medium = closure((0.5, 0.9, 1.0), 0.5, density_grid="density")
     for side, world in enumerate((UP, DOWN)):
-        scene = Scene(camera(1, 1.0), world).add_volume(tmp_path / "slab.vdb", medium, world_from_object=stretch)
+        scene = Scene(camera(1, 1.0), world).add_volume(
+            tmp_path / "slab.vdb", medium, world_from_object=stretch
+        )
         expected = np.array(ADDING_DOUBLING[0.5, 1][side])[[0, 1, 3]]
         assert_mean(radiance(scene, 64, **settings), expected, rounding=HALF_DIGIT / expected, most=0.01)
 
@@ -136,7 +140,11 @@ def test_slab_under_isotropic_light_is_disort(b, below):
 
 # Chandrasekhar's H function for isotropic scattering (400-point Gauss quadrature; H(1) at a = 1 is 2.9078):
 # BRF(mu, mu0) = a H(mu) H(mu0) / (4 (mu + mu0)) = pi L / E; R(mu0) = 1 - sqrt(1 - a) H(mu0).
-H = {0.1: (1.072369, 1.172143, 1.224875), 0.5: (1.187735, 1.556034, 1.848601), 1.0: (1.251260, 1.850099, 2.472793)}
+H = {
+    0.1: (1.072369, 1.172143, 1.224875),
+    0.5: (1.187735, 1.556034, 1.848601),
+    1.0: (1.251260, 1.850099, 2.472793),
+}
 
 
 @pytest.mark.parametrize(("mu", "mu0"), [(1.0, 1.0), (0.5, 1.0), (1.0, 0.1), (0.1, 0.5)])

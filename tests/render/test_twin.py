@@ -15,10 +15,24 @@ import pytest
 import scipy.stats
 from nephele import description as d
 from truth import (
-    NO_LIMIT, RAY, Scene, box, constant_program, diffuse, emission, facing, glass, half_world, perspective, placed, sphere,
+    NO_LIMIT,
+    RAY,
+    Scene,
+    box,
+    constant_program,
+    diffuse,
+    emission,
+    facing,
+    glass,
+    half_world,
+    perspective,
+    placed,
+    sphere,
 )  # fmt: skip
 
-GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"  # a rough ball, radius 0.9
+GRID = (
+    Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
+)  # a rough ball, radius 0.9
 FALSE_ALARM = 1e-4
 SKY = half_world((0.3, 0.5, 1.0), (0.2, 0.15, 0.1))
 SKIES_AND_SUN = half_world((0.2, 0.3, 0.5), 0.05)
@@ -48,13 +62,19 @@ def chromatic_overlap():
     scene.add_volume(
         GRID, medium((1, 4, 0), (2, 0, 1), 0.7, density_grid="density"), medium((0, 1, 3), (0, 0.5, 0), -0.4)
     )
-    scene.add(box((-0.2, -1, -1), (0.6, 1, 1)), None, (medium((0.5, 0.2, 2), (0, 1, 0), emission=(0.2, 0.5, 0.1)),))
+    scene.add(
+        box((-0.2, -1, -1), (0.6, 1, 1)), None, (medium((0.5, 0.2, 2), (0, 1, 0), emission=(0.2, 0.5, 0.1)),)
+    )
     return scene.add(sphere(0.7, 2), None, (medium((2, 1, 0.5), 0.3, 0.8),), placed(0.9, -0.3, 0.1))
 
 
 def glass_of_fog():
     """A smooth glass ball full of fog, a rough glass box, a white floor and a wide lamp."""
-    scene = Scene(perspective((0, -4, 0.8), (0, 0, 0), 0.35), SKY, lights=(area_lamp((0, -1, 3), (0, 0, 0), 80.0, (2, 2)),))
+    scene = Scene(
+        perspective((0, -4, 0.8), (0, 0, 0), 0.35),
+        SKY,
+        lights=(area_lamp((0, -1, 3), (0, 0, 0), 80.0, (2, 2)),),
+    )
     scene.add(sphere(0.6, 3), glass(1.45), (medium((1, 2, 3), 0.1, 0.3),), placed(-0.5, 0, 0))
     scene.add(box((0.3, -0.4, -0.6), (0.9, 0.4, 0.3), "rough"), glass(1.3, 0.4))
     return scene.add(box((-3, -3, -1.4), (3, 3, -0.65)), diffuse(0.7))
@@ -91,7 +111,9 @@ def wide_suns():
     """Two suns of 60 and 100 degrees and a sky, on a floor and a grid: light that both techniques find."""
     lights = tuple(
         d.Light(f"sun {i}", "sun", facing(towards, (0, 0, 0)), power, angle=np.radians(angle))
-        for i, (towards, power, angle) in enumerate((((1, 0, 2), (2.0, 1.5, 1.0), 60), ((-1, -1, 1), (1.0, 2.0, 3.0), 100)))
+        for i, (towards, power, angle) in enumerate(
+            (((1, 0, 2), (2.0, 1.5, 1.0), 60), ((-1, -1, 1), (1.0, 2.0, 3.0), 100))
+        )
     )
     scene = Scene(perspective((0, -4, 0.8), (0, 0, -0.2), 0.4), SKIES_AND_SUN, lights=lights)
     scene.add_volume(GRID, medium((3, 2, 1), 0.3, 0.6, density_grid="density"))
@@ -100,8 +122,14 @@ def wide_suns():
 
 def veils():
     """Half-transparent, shining and invisible surfaces between lamp, grid and camera; an object without shadow."""
-    veil = constant_program(("transparent", (0.7, 0.5, 0.9)), ("diffuse", (0.2, 0.3, 0.05), 0.0, None), ("emission", 0.1, 1.0))
-    scene = Scene(perspective((0, -4, 0.5), (0, 0, 0), 0.4), SKY, lights=(area_lamp((1, 0, 2.5), (0, 0, 0), 60.0, (2, 2)),))
+    veil = constant_program(
+        ("transparent", (0.7, 0.5, 0.9)), ("diffuse", (0.2, 0.3, 0.05), 0.0, None), ("emission", 0.1, 1.0)
+    )
+    scene = Scene(
+        perspective((0, -4, 0.5), (0, 0, 0), 0.4),
+        SKY,
+        lights=(area_lamp((1, 0, 2.5), (0, 0, 0), 60.0, (2, 2)),),
+    )
     scene.add_volume(GRID, medium(3, (0.2, 0.5, 1), 0.3, density_grid="density"))
     scene.add(box((-1, -1.3, -0.2), (0.8, -1.1, 1)), veil)
     return scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse(0.6))
@@ -109,7 +137,14 @@ def veils():
 
 def endless_fog():
     """The world's own medium, which leaves one channel untouched, around a shining ball, lamps and a grid."""
-    lamp = d.Light("ball", "point", placed(0.8, -0.5, 0.8), (20.0, 10.0, 30.0), radius=0.2, visibility=d.ALL_RAYS & ~RAY["camera"])
+    lamp = d.Light(
+        "ball",
+        "point",
+        placed(0.8, -0.5, 0.8),
+        (20.0, 10.0, 30.0),
+        radius=0.2,
+        visibility=d.ALL_RAYS & ~RAY["camera"],
+    )
     world = (medium((0.1, 0.2, 0), (0.1, 0.02, 0), 0.5, emission=(0.02, 0.01, 0.0)),)
     scene = Scene(perspective((0, -4, 0.3), (0, 0, 0), 0.4), world_volume=world, lights=(lamp,))
     scene.add_volume(GRID, medium((1, 2, 3), (1, 0.5, 0), 0.2, density_grid="density"))
@@ -143,20 +178,34 @@ def assert_same(one, other, seeds):
             assert np.all(np.sqrt(sum2) < 0.015 * mean), f"too noisy to tell: {np.sqrt(sum2) / mean}"
 
 
-SCENES = (everything, chromatic_overlap, glass_of_fog, depth_of_field, lamps_inside, wide_suns, veils, endless_fog)
+SCENES = (
+    everything,
+    chromatic_overlap,
+    glass_of_fog,
+    depth_of_field,
+    lamps_inside,
+    wide_suns,
+    veils,
+    endless_fog,
+)
 
 
 @pytest.mark.parametrize("make", SCENES, ids=lambda f: f.__name__)
 def test_path_and_plain_twin_agree(make):
     scene, seeds = make(), 16
-    path = moments(scene, seeds, 32, 6)
-    plain = moments(scene, seeds, 192, 6, integrator="plain")
+    path = moments(scene, seeds, 96, 6)
+    plain = moments(scene, seeds, 384, 6, integrator="plain")
     assert_same(path, plain, seeds)
 
 
 @pytest.mark.parametrize("make", [everything, chromatic_overlap, lamps_inside], ids=lambda f: f.__name__)
 def test_all_ways_of_tracking_agree(make):
     scene, seeds = make(), 16
-    reference = moments(scene, seeds, 32, 6)
-    for other in ({"tracking": "delta"}, {"majorant": "global"}, {"sampler": "independent"}, {"roulette_depth": 0}):
-        assert_same(reference, moments(scene, seeds, 32, 6, **other), seeds)
+    reference = moments(scene, seeds, 96, 6)
+    for other in (
+        {"tracking": "delta"},
+        {"majorant": "global"},
+        {"sampler": "independent"},
+        {"roulette_depth": 0},
+    ):
+        assert_same(reference, moments(scene, seeds, 96, 6, **other), seeds)

@@ -47,7 +47,15 @@ def glass(ior, roughness=0.0):
 
 def half_world(up, down=0.0):
     """Returns a background of radiance `up` where a direction's z is positive, and `down` elsewhere."""
-    rows = [(1, 1, 1), (0, 0, 0), np.broadcast_to(up, 3), np.broadcast_to(down, 3), (0, 0, 0), (0, 0, 0), (0, 0, 0)]
+    rows = [
+        (1, 1, 1),
+        (0, 0, 0),
+        np.broadcast_to(up, 3),
+        np.broadcast_to(down, 3),
+        (0, 0, 0),
+        (0, 0, 0),
+        (0, 0, 0),
+    ]
     op = {name: i for i, name in enumerate(opcodes.OPCODES)}
     code = [
         (op["object_coordinate"], 4, 0, 0, 0, 0, 0, 0),
@@ -56,7 +64,9 @@ def half_world(up, down=0.0):
         (op["mix"], 6, 3, 2, 5, 0, 0, 0),
     ]
     return d.Program(
-        registers=np.array(rows, np.float32), code=np.array(code, np.int32), closures=(d.Closure("emission", 0, (6, 0)),)
+        registers=np.array(rows, np.float32),
+        code=np.array(code, np.int32),
+        closures=(d.Closure("emission", 0, (6, 0)),),
     )
 
 
@@ -109,7 +119,9 @@ def sphere(radius, subdivisions, name="sphere", inwards=False):
         points = np.concatenate([points, a + b, b + c, c + a])
         ab, bc, ca = (n + k * m + np.arange(m) for k in range(3))
         i, j, k = np.array(faces).T
-        faces = np.concatenate([np.stack(f, 1) for f in ((i, ab, ca), (j, bc, ab), (k, ca, bc), (ab, bc, ca))])
+        faces = np.concatenate(
+            [np.stack(f, 1) for f in ((i, ab, ca), (j, bc, ab), (k, ca, bc), (ab, bc, ca))]
+        )
         points /= np.linalg.norm(points, axis=1, keepdims=True)
         points, unique = np.unique(points.round(12), axis=0, return_inverse=True)
         faces = unique.reshape(-1)[faces]
@@ -242,7 +254,9 @@ def assert_mean(image, expected, sigmas=5.0, rounding=0.0, most=None):
     expected = np.broadcast_to(np.asarray(expected, float), e.mean.shape)
     off = np.abs(e.mean - expected)
     allowed = sigmas * e.error + rounding * np.abs(expected)
-    assert np.all(off <= allowed), f"got {e}, expected {expected}: off by {off / np.maximum(e.error, 1e-30)} sigma"
+    assert np.all(off <= allowed), (
+        f"got {e}, expected {expected}: off by {off / np.maximum(e.error, 1e-30)} sigma"
+    )
     if most is not None:
         assert np.all(e.error <= most * np.maximum(np.abs(expected), 0.01)), f"too noisy to tell: {e}"
 

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Media for tests, along one ray, with their optical depth by fine quadrature; and means with their standard
+// errors.
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "math/sampler.h"
+#include "media/segment.h"
+
+namespace nephele::test {
+
+/// Sum of independent samples. z() is standard normal for a right estimator of many samples.
+class Mean {
+  public:
+    void add(double x) {
+        ++n_;
+        sum_ += x;
+        sum2_ += x * x;
+    }
+    double mean() const { return sum_ / n_; }
+    double error() const {
+        return std::sqrt(std::max(0.0, sum2_ / n_ - mean() * mean()) / std::max(n_ - 1, 1.0));
+    }
+    /// Deviation from what is expected, in standard errors. `rounding`: of single precision, relative.
+    double z(double expected, double rounding = 3e-6) const {
+        const double off = std::max(0.0, std::fabs(mean() - expected) - rounding * std::fabs(expected));
+        return off == 0 ? 0 : off / std::max(error(), 1e-300);
+    }
+
+  private:
+    double n_ = 0, sum_ = 0, sum2_ = 0;
+};
+
+/// Largest deviation allowed to one of the z-tests here: 5.5 standard errors, a false alarm of 4e-8 each. All
+/// z-tests of a binary together, some thousands, raise a false alarm with probability 2e-4; seeds are fixed.
+inline constexpr double kSigmas = 5.5;
+
+/// Density at a voxel.
+using Voxels = std::function<float(int, int, int)>;
+
+/// A field of n^3 voxels from the origin of index space, which is also the world's.
+inline DensityField field_of(int n, const Voxels& voxels) {
+    std::vector<float> values;
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+            for (int k = 0; k < n; ++k)
+                values.push_back(voxels(i, j, k));
+        }
+    }
+    DensityField field;
+    field.grid = brick_grid_of_dense({0, 0, 0}, {n, n, n}, values.data(), 0, VoxelType::single_float);
+    field.majorants = std::make_shared<MajorantGrid>(*field.grid, 1.0f);
+    return field;
+}
+
+/// Media along a ray through [0, length], and their integrals.
+struct Line {
+    std::deque<Medium> media;
+    Segment segment;
+
+    explicit Line(Ray ray) { segment.ray = ray; }
+
+    Medium& add(Rgb sigma_s, Rgb sigma_a, float t0, float t1,
+                std::optional<DensityField> field = std::nullopt) {
+        Medium m;
+        m.sigma_s = sigma_s;
+        m.sigma_t = sigma_s + sigma_a;
+        m.density = std::move(field);
+        media.push_back(std::move(m));
+        segment.intervals.push_back({&media.back(), t0, t1});
+        return media.back();
+    }
+
+    /// Coefficients at t, by the true trilinear filter.
+    struct Point {
+        double sigma_t[3] = {}, sigma_s[3] = {}, emission[3] = {};
+    };
+    Point at(double t) const {
+        Point out;
+        for (const Interval& i : segment.intervals) {
+            if (t < double{i.t0} || t > double{i.t1})
+                continue;
+            const Medium& m = *i.medium;
+            const Vec3f p = segment.ray.at(static_cast<float>(t));
+            const double density =
+                m.density ? double{m.density->grid->trilinear(m.density->index_from_world.point(p))} : 1;
+            for (int c = 0; c < 3; ++c) {
+                out.sigma_t[c] += density * double{m.sigma_t[c]};
+                out.sigma_s[c] += density * double{m.sigma_s[c]};
+                out.emission[c] += (m.density_scales_emission ? density : 1) * double{m.emission[c]};
+            }
+        }
+        return out;
+    }
+};
+
+/// Integrals along a line, by the midpoint rule at `steps` points, in channel c. edges(k) is t after k steps.
+struct Profile {
+    double t0, step;
+    std::vector<double> tau, scattered, emitted;  ///< from t0 up to each edge; the last two are transmitted
+
+    Profile(const Line& line, double from, double to, int c, int steps = 40000)
+        : t0(from), step((to - from) / steps), tau{0}, scattered{0}, emitted{0} {
+        for (int k = 0; k < steps; ++k) {
+            const Line::Point p = line.at(t0 + (k + 0.5) * step);
+            const double depth = p.sigma_t[c] * step;
+            // The mean of exp(-sigma_t s) over the step, exact where the coefficients are constant.
+            const double through = std::exp(-tau.back()) * (depth > 1e-12 ? -std::expm1(-depth) / depth : 1);
+            scattered.push_back(scattered.back() + p.sigma_s[c] * step * through);
+            emitted.push_back(emitted.back() + p.emission[c] * step * through);
+            tau.push_back(tau.back() + depth);
+        }
+    }
+    double transmittance() const { return std::exp(-tau.back()); }
+    /// Value of a running integral at t.
+    double at(const std::vector<double>& integral, double t) const {
+        const double x = std::clamp((t - t0) / step, 0.0, static_cast<double>(integral.size() - 1));
+        const auto k = std::min(static_cast<std::size_t>(x), integral.size() - 2);
+        return integral[k] + (integral[k + 1] - integral[k]) * (x - static_cast<double>(k));
+    }
+};
+
+}  // namespace nephele::test

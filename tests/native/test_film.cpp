@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The film: sums, means and variances of samples, and nothing for passes that nobody asked for.
+#include "film/film.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "math/sampler.h"
+
+namespace nephele {
+namespace {
+
+constexpr PassId kSome[] = {PassId::combined, PassId::volume, PassId::surface, PassId::variance,
+                            PassId::depth,    PassId::normal, PassId::cost,    PassId::sample_count};
+
+PixelSample sample_of(float light) {
+    PixelSample s;
+    s.volume = Rgb(light, 2 * light, 0);
+    s.surface = Rgb(0, 1, light);
+    s.depth = 10 * light;
+    s.normal = {0, 0, 1};
+    s.cost = light;
+    s.alpha = 0.5f;
+    return s;
+}
+
+TEST(Film, GivesMeansPerPixelAndTheFirstSamplesDepth) {
+    Film film(3, 2, kSome);
+    film.add(2, 1, sample_of(1), 1);
+    film.add(2, 1, sample_of(3), 1);
+    const auto combined = film.read(PassId::combined);
+    ASSERT_EQ(combined.size(), 3u * 2 * 4);
+    const float* pixel = combined.data() + 4 * 5;
+    EXPECT_EQ(pixel[0], 2);
+    EXPECT_EQ(pixel[1], 5);
+    EXPECT_EQ(pixel[2], 2);
+    EXPECT_EQ(pixel[3], 0.5f);
+    for (std::size_t i = 0; i < 4 * 5; ++i)
+        EXPECT_EQ(combined[i], 0);
+    EXPECT_EQ(film.read(PassId::depth)[5], 10);
+    EXPECT_EQ(film.read(PassId::cost)[5], 2);
+    EXPECT_EQ(film.read(PassId::sample_count), (std::vector<float>{0, 0, 0, 0, 0, 2}));
+    EXPECT_EQ(film.count(2, 1), 2u);
+    EXPECT_EQ(film.count(1, 1), 0u);
+}
+
+TEST(Film, ExposureScalesLightAlone) {
+    Film film(1, 1, kSome);
+    film.add(0, 0, sample_of(1), 4);
+    EXPECT_EQ(film.read(PassId::combined), (std::vector<float>{4, 12, 4, 0.5f}));
+    EXPECT_EQ(film.read(PassId::volume), (std::vector<float>{4, 8, 0}));
+    EXPECT_EQ(film.read(PassId::depth)[0], 10);
+    EXPECT_EQ(film.read(PassId::normal)[2], 1);
+}
+
+TEST(Film, VarianceIsThatOfTheMeanAveragedOverChannels) {
+    Film film(1, 1, kSome);
+    Rng rng(2);
+    std::vector<double> values[3];
+    for (int n = 0; n < 50; ++n) {
+        PixelSample s;
+        s.volume = {rng.next(), 2 * rng.next(), 1000 + rng.next()};
+        film.add(0, 0, s, 1);
+        for (int c = 0; c < 3; ++c)
+            values[c].push_back(double{s.volume[c]});
+        if (n == 0) {
+            EXPECT_EQ(film.read(PassId::variance)[0], 0);
+        }
+    }
+    double expected = 0;
+    for (const auto& v : values) {
+        double mean = 0, sum = 0;
+        for (const double x : v)
+            mean += x / 50;
+        for (const double x : v)
+            sum += (x - mean) * (x - mean);
+        expected += sum / 49 / 50 / 3;
+    }
+    EXPECT_NEAR(film.read(PassId::variance)[0], expected, 1e-5 * expected);
+}
+
+TEST(Film, SumsInDoublePrecision) {
+    Film film(1, 1, kSome);
+    for (int n = 0; n < 3000000; ++n) {
+        PixelSample s;
+        s.surface = Rgb(0.1f);
+        film.add(0, 0, s, 1);
+    }
+    EXPECT_FLOAT_EQ(film.read(PassId::combined)[0], 0.1f);
+}
+
+TEST(Film, HoldsOnlyWhatWasAskedFor) {
+    const PassId one[] = {PassId::depth};
+    Film film(4, 4, one);
+    film.add(0, 0, sample_of(1), 1);
+    for (int p = 0; p < kPassCount; ++p) {
+        const auto pass = static_cast<PassId>(p);
+        const bool asked = pass == PassId::depth || pass == PassId::sample_count;
+        EXPECT_EQ(film.has(pass), asked);
+        if (asked) {
+            EXPECT_NO_THROW(film.read(pass));
+        } else {
+            EXPECT_THROW(film.read(pass), std::invalid_argument);
+        }
+    }
+    const auto saved = film.save();
+    ASSERT_EQ(saved.size(), 2u);
+    EXPECT_EQ(saved.at("depth").size(), 16u);
+}
+
+TEST(Film, VarianceWithoutCombinedDoesNotGiveCombined) {
+    const PassId one[] = {PassId::variance};
+    Film film(1, 1, one);
+    film.add(0, 0, sample_of(1), 1);
+    film.add(0, 0, sample_of(3), 1);
+    EXPECT_GT(film.read(PassId::variance)[0], 0);
+    EXPECT_THROW(film.read(PassId::combined), std::invalid_argument);
+}
+
+TEST(Film, RestoresWhatItSavedAndRefusesWhatDoesNotFit) {
+    Film film(3, 2, kSome);
+    film.add(1, 1, sample_of(2), 1);
+    Film again(3, 2, kSome);
+    again.restore(film.save());
+    for (const PassId pass : kSome)
+        EXPECT_EQ(again.read(pass), film.read(pass));
+    EXPECT_EQ(again.count(1, 1), 1u);
+
+    Film wider(4, 2, kSome);
+    EXPECT_THROW(wider.restore(film.save()), std::invalid_argument);
+    Film turned(2, 3, kSome);
+    turned.restore(
+        film.save());  // a checkpoint knows only sizes; the checkpoint's own header knows the frame
+    const PassId more[] = {PassId::combined, PassId::albedo};
+    Film other(3, 2, more);
+    EXPECT_THROW(other.restore(film.save()), std::invalid_argument);
+    EXPECT_THROW(other.restore({}), std::invalid_argument);
+    EXPECT_EQ(other.count(1, 1), 0u);  // a refused checkpoint changes nothing
+}
+
+TEST(Film, RefusesAnEmptyFrame) {
+    EXPECT_THROW(Film(0, 4, kSome), std::invalid_argument);
+    EXPECT_THROW(Film(4, -1, kSome), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace nephele

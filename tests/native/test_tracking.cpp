@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Free flights and transmittance against closed forms and fine quadrature, in homogeneous, heterogeneous,
+// chromatic and overlapping media, with local and global majorants, weighted and analog. See kSigmas for
+// false alarms.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "cell_counts.h"
+#include "media_fixtures.h"
+#include "tracking/delta.h"
+#include "tracking/ratio.h"
+
+namespace nephele::test {
+namespace {
+
+constexpr int kVoxels = 40;
+/// A slanted ray through the field of kVoxels^3.
+Ray slanted() {
+    return {{-3, 7, 30}, normalize(Vec3f(1, 0.45f, -0.3f)), 0, 50};
+}
+
+/// Two bumps of different widths along x, wavy across.
+float bumps(int i, int j, int k) {
+    const double x = i / 10.0;
+    const double bump =
+        std::exp(-std::pow((x - 1.2) / 0.3, 2)) + 0.6 * std::exp(-std::pow((x - 2.9) / 0.15, 2));
+    return static_cast<float>(bump * (1 + 0.3 * std::sin(j + 0.5 * k)));
+}
+/// Nearly nothing but for one thin wall: the global majorant is 2000 times the usual density.
+float spiky(int i, int, int) {
+    return i == 20 ? 1.0f : 0.0005f;
+}
+float noisy(int i, int j, int k) {
+    return Rng(static_cast<std::uint64_t>((i * 64 + j) * 64 + k)).next();
+}
+
+struct Case {
+    std::string name;
+    std::function<Line()> line;
+};
+
+Line grid_line(const Voxels& voxels, Rgb sigma_s, Rgb sigma_a) {
+    Line line(slanted());
+    line.add(sigma_s, sigma_a, 0, 50, field_of(kVoxels, voxels));
+    return line;
+}
+
+std::vector<Case> cases() {
+    return {
+        {"homogeneous",
+         [] {
+             Line line(slanted());
+             line.add({0.03f, 0.03f, 0.03f}, {0.01f, 0.01f, 0.01f}, 5, 45);
+             return line;
+         }},
+        {"homogeneous_chromatic",
+         [] {
+             Line line(slanted());
+             line.add({0.001f, 0.03f, 0.2f}, {0.05f, 0, 0.01f}, 5, 45);
+             return line;
+         }},
+        {"bumps", [] { return grid_line(bumps, Rgb(0.2f), Rgb(0.02f)); }},
+        {"bumps_chromatic",
+         [] {
+             return grid_line(bumps, {0.3f, 0.1f, 0}, {0, 0.05f, 0.02f});
+         }},
+        {"spiky", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f)); }},
+        {"noisy_thin", [] { return grid_line(noisy, Rgb(1e-3f), Rgb(1e-3f)); }},
+        {"noisy_dense", [] { return grid_line(noisy, Rgb(1.0f), Rgb(0.1f)); }},
+        {"overlapping",
+         [] {
+             Line line(slanted());
+             line.add({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, 0, 50, field_of(kVoxels, bumps));
+             line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
+             line.add({0, 0.02f, 0}, Rgb(0), 17, 50);
+             line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
+             return line;
+         }},
+    };
+}
+
+struct Tracker {
+    bool analog, global;
+};
+
+class TrackingIn : public testing::TestWithParam<std::tuple<Case, Tracker>> {
+  protected:
+    Line line = std::get<0>(GetParam()).line();
+    Tracker tracker = std::get<1>(GetParam());
+};
+
+std::string name_of(const testing::TestParamInfo<std::tuple<Case, Tracker>>& test) {
+    const Tracker t = std::get<1>(test.param);
+    return std::get<0>(test.param).name + (t.analog ? "_analog" : "_weighted") +
+           (t.global ? "_global" : "_local");
+}
+INSTANTIATE_TEST_SUITE_P(Media, TrackingIn,
+                         testing::Combine(testing::ValuesIn(cases()),
+                                          testing::Values(Tracker{false, false}, Tracker{false, true},
+                                                          Tracker{true, false}, Tracker{true, true})),
+                         name_of);
+
+TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
+    constexpr int kBins = 8, kFlights = 60000;
+    const Rgb start{1, 0.5f, 0.8f};
+    line.media.front().emission = {0.5f, 2, 0.1f};
+    Mean passed[3], scattered[3][kBins], emitted[3];
+    TrackingScratch scratch;
+    Counters counters;
+    Rng rng(17);
+    for (int n = 0; n < kFlights; ++n) {
+        Rgb beta = start;
+        const Flight f =
+            sample_flight(line.segment, scratch, tracker.analog, tracker.global, beta, rng, counters);
+        const bool real = f.event == Flight::Event::scattered;
+        const int bin = real ? std::min(static_cast<int>(f.t / 50 * kBins), kBins - 1) : -1;
+        for (int c = 0; c < 3; ++c) {
+            passed[c].add(f.event == Flight::Event::passed ? double{beta[c]} : 0);
+            emitted[c].add(double{f.emitted[c]});
+            for (int b = 0; b < kBins; ++b)
+                scattered[c][b].add(b == bin ? double{beta[c]} : 0);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        const Profile truth(line, 0, 50, c);
+        const double scale = double{start[c]};
+        if (truth.transmittance() * kFlights > 50) {
+            EXPECT_LT(passed[c].z(scale * truth.transmittance()), kSigmas)
+                << "channel " << c << ": " << passed[c].mean() << ", not " << scale * truth.transmittance();
+        }
+        EXPECT_LT(emitted[c].z(scale * truth.emitted.back(), 1e-4), kSigmas)
+            << "channel " << c << ": " << emitted[c].mean() << ", not " << scale * truth.emitted.back();
+        for (int b = 0; b < kBins; ++b) {
+            const double expected = scale * (truth.at(truth.scattered, 50.0 * (b + 1) / kBins) -
+                                             truth.at(truth.scattered, 50.0 * b / kBins));
+            if (expected * kFlights < 50)
+                continue;  // too few for a normal distribution
+            EXPECT_LT(scattered[c][b].z(expected, 1e-4), kSigmas)
+                << "channel " << c << " bin " << b << ": " << scattered[c][b].mean() << ", not " << expected;
+        }
+    }
+}
+
+TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
+    constexpr int kFlights = 100000, kCells = 40;
+    for (Medium& m : line.media) {  // grey and white: flights are then analog, with throughput 1
+        m.sigma_t = m.sigma_s = Rgb(max_component(m.sigma_t));
+        m.emission = Rgb(0);
+    }
+    const Profile truth(line, 0, 50, 0);
+    std::vector<std::uint64_t> counts(kCells);
+    std::vector<double> probabilities(kCells);
+    for (int b = 0; b < kCells; ++b) {
+        probabilities[static_cast<std::size_t>(b)] = std::exp(-truth.at(truth.tau, 50.0 * b / kCells)) -
+                                                     std::exp(-truth.at(truth.tau, 50.0 * (b + 1) / kCells));
+    }
+    TrackingScratch scratch;
+    Counters counters;
+    Rng rng(23);
+    for (int n = 0; n < kFlights; ++n) {
+        Rgb beta(1);
+        const Flight f =
+            sample_flight(line.segment, scratch, tracker.analog, tracker.global, beta, rng, counters);
+        ASSERT_NEAR(beta.x, 1, 1e-4);
+        if (f.event == Flight::Event::scattered)
+            ++counts[std::min(static_cast<std::size_t>(f.t / 50 * kCells), std::size_t{kCells - 1})];
+    }
+    EXPECT_GT(chi_square_p(counts, probabilities, kFlights), kFalseAlarm);
+}
+
+class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, bool>> {};
+INSTANTIATE_TEST_SUITE_P(Media, TransmittanceIn,
+                         testing::Combine(testing::ValuesIn(cases()), testing::Bool()), [](const auto& test) {
+                             return std::get<0>(test.param).name + (std::get<1>(test.param) ? "_global" : "_local");
+                         });
+
+TEST_P(TransmittanceIn, IsUnbiased) {
+    Line line = std::get<0>(GetParam()).line();
+    const bool global = std::get<1>(GetParam());
+    for (const float thickness : {1e-3f, 0.1f, 1.0f, 4.0f}) {  // times the case's own
+        for (Medium& m : line.media)
+            m.sigma_t *= thickness;
+        Counters counters;
+        Rng rng(29);
+        Mean T[3];
+        for (int n = 0; n < 40000; ++n) {
+            const Rgb t = estimate_transmittance(line.segment, global, rng, counters);
+            for (int c = 0; c < 3; ++c)
+                T[c].add(double{t[c]});
+        }
+        for (int c = 0; c < 3; ++c) {
+            const double expected = Profile(line, 0, 50, c, 20000).transmittance();
+            if (expected < 1e-3)
+                continue;
+            EXPECT_LT(T[c].z(expected), kSigmas) << "channel " << c << ", thickness " << thickness << ": "
+                                                 << T[c].mean() << ", not " << expected;
+        }
+        for (Medium& m : line.media)
+            m.sigma_t /= thickness;
+    }
+}
+
+TEST(Tracking, IsRightFromOneMillionthToAMillionMeanFreePaths) {
+    for (const double tau : {1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e3, 1e6}) {
+        Line line({{0, 0, 0}, {0, 0, 1}, 0, 2});
+        line.add(Rgb(static_cast<float>(tau / 2)), Rgb(0), 0, 2);
+        Counters counters;
+        Rng rng(31);
+        EXPECT_NEAR(estimate_transmittance(line.segment, false, rng, counters).x, std::exp(-tau), 1e-7);
+        TrackingScratch scratch;
+        const int flights = tau < 1e-5 ? 20000000 : tau < 1e-3 ? 2000000 : 50000;
+        Mean hit, depth;
+        for (int n = 0; n < flights; ++n) {
+            Rgb beta(1);
+            const Flight f = sample_flight(line.segment, scratch, false, false, beta, rng, counters);
+            hit.add(f.event == Flight::Event::scattered ? 1 : 0);
+            if (f.event == Flight::Event::scattered)
+                depth.add(double{f.t} * tau / 2);
+        }
+        EXPECT_LT(hit.z(-std::expm1(-tau)), kSigmas) << "tau " << tau << ": " << hit.mean();
+        if (tau >= 1) {  // the mean of a truncated exponential
+            const double expected = 1 - tau * std::exp(-tau) / -std::expm1(-tau);
+            EXPECT_LT(depth.z(expected, 1e-5), kSigmas) << "tau " << tau << ": " << depth.mean();
+        }
+    }
+}
+
+TEST(Tracking, TransmittanceThroughAMillionMeanFreePathsOfAGridIsShortWork) {
+    const Line line = grid_line(noisy, Rgb(1e5f), Rgb(0));
+    Counters counters;
+    Rng rng(37);
+    for (int n = 0; n < 1000; ++n)
+        EXPECT_LT(estimate_transmittance(line.segment, false, rng, counters).x, 1e-6f);
+    // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a ray, where
+    // a whole walk would take a million.
+    EXPECT_LT(counters.density_lookups, 3000000u);
+}
+
+TEST(Tracking, FlightsLeaveAnEndlessMediumInTheChannelsItDoesNotTouch) {
+    for (const float end : {kInfinity, 1e30f}) {
+        for (const Rgb sigma_a : {Rgb(0.01f, 0.02f, 0), Rgb(0, 0, 0.3f), Rgb(1e-4f, 0, 5)}) {
+            Line line({{0, 0, 0}, {0, 0, 1}, 0, end});
+            line.add(sigma_a * 0.5f, sigma_a * 0.5f, 0, end);
+            line.add(Rgb(0.1f), Rgb(0.1f), 3, 8);
+            Mean passed[3];
+            TrackingScratch scratch;
+            Counters counters;
+            Rng rng(41);
+            for (int n = 0; n < 20000; ++n) {
+                Rgb beta(1);
+                const Flight f = sample_flight(line.segment, scratch, false, false, beta, rng, counters);
+                for (int c = 0; c < 3; ++c)
+                    passed[c].add(f.event == Flight::Event::passed ? double{beta[c]} : 0);
+            }
+            for (int c = 0; c < 3; ++c)
+                EXPECT_LT(passed[c].z(sigma_a[c] > 0 ? 0 : std::exp(-1.0)), kSigmas) << passed[c].mean();
+        }
+    }
+}
+
+TEST(Tracking, EmissionByAGridIsIntegratedAlongTheRay) {
+    for (const bool global : {false, true}) {
+        Line line = grid_line(bumps, Rgb(0.1f), Rgb(0.1f));
+        Medium& fire = line.add(Rgb(0), Rgb(0), 0, 50, field_of(kVoxels, noisy));
+        fire.emission = {1, 0.5f, 2};
+        fire.density_scales_emission = true;
+        Mean emitted[3];
+        TrackingScratch scratch;
+        Counters counters;
+        Rng rng(43);
+        for (int n = 0; n < 40000; ++n) {
+            Rgb beta(1);
+            const Flight f = sample_flight(line.segment, scratch, false, global, beta, rng, counters);
+            for (int c = 0; c < 3; ++c)
+                emitted[c].add(double{f.emitted[c]});
+        }
+        for (int c = 0; c < 3; ++c) {
+            const double expected = Profile(line, 0, 50, c).emitted.back();
+            EXPECT_LT(emitted[c].z(expected, 1e-4), kSigmas) << emitted[c].mean() << ", not " << expected;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace nephele::test
