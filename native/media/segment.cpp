@@ -18,8 +18,8 @@ void add_interval(const Medium* media_begin, const Medium* media_end, float t0, 
 
 void add_mesh_intervals(const Crossing* begin, const Crossing* end, const Medium* media_begin,
                         const Medium* media_end, Segment& segment) {
-    // An edge or corner that several triangles report, at distances that differ by rounding, is crossed once; where
-    // some of them are entered and some left, the ray enters before it leaves.
+    // An edge or corner that several triangles report, at distances that differ by rounding, is crossed once;
+    // where some of them are entered and some left, the ray enters before it leaves.
     constexpr float kRounding = 5e-7f;
     const float origin = max_component(max(segment.ray.o, -segment.ray.o));
     const auto for_each_place = [&](auto&& visit) {  // visit(t, enters, leaves)

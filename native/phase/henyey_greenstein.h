@@ -21,7 +21,8 @@ struct HenyeyGreenstein {
     }
 
     Vec3f sample(Vec3f wo, Vec2f u) const {
-        // The usual inversion, solved for 1 - c, c the cosine to the peak: exact at g = 0 and at narrow peaks.
+        // The usual inversion, solved for 1 - c, c the cosine to the peak: exact at g = 0 and at narrow
+        // peaks.
         const float k = std::fabs(g), v = (1 - k) + 2 * k * u.x;
         const float one_minus_c = sqr(1 - k) * (1 - u.x) * ((1 + k) / v + 1) / v;
         return Frame(g < 0 ? wo : -wo).to_world(sample_cone({1, u.y}, std::min(one_minus_c, 2.0f)));

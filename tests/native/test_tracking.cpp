@@ -172,7 +172,8 @@ TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
 class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, bool>> {};
 INSTANTIATE_TEST_SUITE_P(Media, TransmittanceIn,
                          testing::Combine(testing::ValuesIn(cases()), testing::Bool()), [](const auto& test) {
-                             return std::get<0>(test.param).name + (std::get<1>(test.param) ? "_global" : "_local");
+                             return std::get<0>(test.param).name +
+                                    (std::get<1>(test.param) ? "_global" : "_local");
                          });
 
 TEST_P(TransmittanceIn, IsUnbiased) {
@@ -232,8 +233,8 @@ TEST(Tracking, TransmittanceThroughAMillionMeanFreePathsOfAGridIsShortWork) {
     Rng rng(37);
     for (int n = 0; n < 1000; ++n)
         EXPECT_LT(estimate_transmittance(line.segment, false, rng, counters).x, 1e-6f);
-    // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a ray, where
-    // a whole walk would take a million.
+    // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a
+    // ray, where a whole walk would take a million.
     EXPECT_LT(counters.density_lookups, 3000000u);
 }
 
