@@ -3,7 +3,6 @@
 processes."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -20,8 +19,6 @@ FURNACE = SCENES / "furnace" / "furnace.blend"
 CLOUD = SCENES / "cloud" / "cloud.blend"
 TINY = ("--resolution", "32x18", "--samples", "4")
 FOREVER = ("--resolution", "256x144", "--samples", "1000000")
-# Ours may be found through pytest's path only.
-ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 
 
 def command(*arguments):
@@ -30,9 +27,7 @@ def command(*arguments):
 
 def run(*arguments):
     """Returns the finished process of a command line."""
-    return subprocess.run(
-        command(*arguments), capture_output=True, text=True, check=False, timeout=300, env=ENVIRONMENT
-    )
+    return subprocess.run(command(*arguments), capture_output=True, text=True, check=False, timeout=300)
 
 
 def assert_refused(done, *words):
@@ -98,9 +93,7 @@ def test_description_renders_bit_for_bit_like_its_blend(tmp_path):
 def cancel_in(seconds, *arguments):
     """Starts a command line and sends SIGINT once it has rendered for `seconds`; returns (process, seconds to
     exit)."""
-    process = subprocess.Popen(
-        command(*arguments), stderr=subprocess.PIPE, stdout=subprocess.PIPE, env=ENVIRONMENT
-    )
+    process = subprocess.Popen(command(*arguments), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     try:
         deadline = time.monotonic() + 120
         line = b""
@@ -126,7 +119,7 @@ def test_interrupt_exits_with_130_within_a_second_and_writes_no_image(tmp_path):
 
 def test_interrupt_while_starting_leaves_nothing(tmp_path):
     process = subprocess.Popen(
-        command("render", CLOUD, "-o", tmp_path / "a.exr", *FOREVER), stderr=subprocess.PIPE, env=ENVIRONMENT
+        command("render", CLOUD, "-o", tmp_path / "a.exr", *FOREVER), stderr=subprocess.PIPE
     )
     time.sleep(1.0)
     process.send_signal(signal.SIGINT)

@@ -119,7 +119,8 @@ def test_checkpoint_of_another_frame_is_refused():
 
 @pytest.mark.parametrize("make", [small_world, dense], ids=lambda f: f.__name__)
 def test_cancel_is_answered_at_once(make):
-    """Within 0.2 s, which holds for a machine that is busy with other things too: the fastest of three counts."""
+    """Within 0.2 s, which holds for a machine that is busy with other things too: the fastest of three
+    counts."""
     waits = []
     for _ in range(3):
         renderer = nephele_native.Renderer(make().description(64, samples=2**20, **NO_LIMIT))
@@ -183,7 +184,8 @@ def test_volume_and_surface_add_up_and_variance_is_that_of_the_mean():
 
 
 def test_features_of_a_plane():
-    """A plane seen at a slant through a fog: what Depth, Normal, Albedo, Transmittance and Emission must be."""
+    """A plane seen at a slant through a fog: what Depth, Normal, Albedo, Transmittance and Emission must
+    be."""
     fog = d.VolumeClosure((0.1, 0.2, 0.3), (0.1, 0.2, 0.3))
     view = orthographic((0, -2, 2), (0, 0, 0), 0.5)
     scene = Scene(view, world_volume=(fog,)).add(box((-9, -9, -1), (9, 9, 0)), diffuse((0.2, 0.5, 0.9)))
@@ -215,7 +217,8 @@ def test_empty_pixels_say_so():
 
 
 def test_visibility_hides_from_the_kinds_of_rays_named():
-    """A grey ball hidden from camera rays still shadows the floor; a world hidden from the camera still lights."""
+    """A grey ball hidden from camera rays still shadows the floor; a world hidden from the camera still
+    lights."""
     floor = box((-3, -3, -1.4), (3, 3, -1))
     world = emission(1.0)
 

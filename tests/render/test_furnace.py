@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""White furnaces: where nothing absorbs, under a uniform world of radiance 1, every pixel is 1. And its twin with
-emission: a medium that shines with j in balance with its absorption has radiance j / sigma_a everywhere.
+"""White furnaces: where nothing absorbs, under a uniform world of radiance 1, every pixel is 1. And its
+twin with emission: a medium that shines with j in balance with its absorption has radiance j / sigma_a
+everywhere.
 
-False alarms: the image's mean may be off by 5 standard errors (6e-7 per channel). Besides, the means of blocks of
-4 x 4 pixels are held to 1 by Student's t with 15 degrees of freedom, all blocks and channels of an image together
-at 1e-4 (Sidak): a bias of some pixels alone (a silhouette, a seam, an edge shared by triangles) shows there.
+False alarms: the image's mean may be off by 5 standard errors (6e-7 per channel). Besides, the means of
+blocks of 4 x 4 pixels are held to 1 by Student's t with 15 degrees of freedom, all blocks and channels of an
+image together at 1e-4 (Sidak): a bias of some pixels alone (a silhouette, a seam, an edge shared by
+triangles) shows there.
 """
 
 from pathlib import Path
@@ -96,8 +98,8 @@ def test_furnace_of_white_diffuse_surfaces():
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3])
 def test_furnace_of_lossless_glass_with_a_medium_inside(roughness):
-    """Rough glass by multiple-scattering GGX would be exact too; single scattering is what mode 0 means, so only
-    the smooth one conserves energy, and the rough one must not gain any."""
+    """Rough glass by multiple-scattering GGX would be exact too; single scattering is what mode 0 means,
+    so only the smooth one conserves energy, and the rough one must not gain any."""
     scene = Scene(perspective((0, -4, 1.0), (0, 0, 0)), WHITE)
     scene.add(sphere(0.8, 4), glass(1.5, roughness), (medium((1, 2, 3), 0.5),))
     if roughness == 0:
@@ -121,8 +123,8 @@ def test_furnace_of_a_white_room_in_a_medium():
 
 @pytest.mark.parametrize("g", [-0.7, 0.0, 0.8])
 def test_shining_world_in_balance(g):
-    """An endless medium, sigma_s over sigma_a different in each channel, with white surfaces in it and no light but
-    its own: radiance j / sigma_a everywhere."""
+    """An endless medium, sigma_s over sigma_a different in each channel, with white surfaces in it and no
+    light but its own: radiance j / sigma_a everywhere."""
     sigma_s, sigma_a, j = np.array([1.0, 2.0, 0.5]), np.array([0.5, 1.0, 2.0]), np.array([2.0, 1.0, 3.0])
     shining = d.VolumeClosure(tuple(sigma_s), tuple(sigma_a), tuple(j), g)
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0)), world_volume=(shining,)).add(
@@ -132,7 +134,8 @@ def test_shining_world_in_balance(g):
 
 
 def test_shining_box_in_balance_with_the_world():
-    """Inside and outside a box of absorbing, scattering and shining medium the world's radiance is j / sigma_a."""
+    """Inside and outside a box of absorbing, scattering and shining medium the world's radiance is j /
+    sigma_a."""
     shining = d.VolumeClosure((1, 2, 0), (0.5, 1, 2), (0.5, 1, 2), 0.5)
     for view in (OUTSIDE, INSIDE):
         check(Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (shining,)))

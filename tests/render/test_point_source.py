@@ -25,9 +25,9 @@ from truth import (
     volume_of,
 )  # fmt: skip
 
-# Fluence rate phi(r), W/m^2, of an isotropic point source of 1 W in an infinite medium that scatters isotropically,
-# extinction 1/m, albedo a: pole and continuum of Case and Zweifel 1967, computed independently; the volume integral
-# of phi is 1/(1 - a) to 6 digits.
+# Fluence rate phi(r), W/m^2, of an isotropic point source of 1 W in an infinite medium that scatters
+# isotropically, extinction 1/m, albedo a: pole and continuum of Case and Zweifel 1967, computed
+# independently; the volume integral of phi is 1/(1 - a) to 6 digits.
 RADII = (0.25, 0.5, 1.0, 2.0, 4.0)
 FLUENCE = {
     0.5: (1.264881, 2.947631e-1, 5.869514e-2, 7.927624e-3, 4.493863e-4),
@@ -36,8 +36,8 @@ FLUENCE = {
 
 
 def shell_average(a, r, half):
-    """Returns the mean of phi over the shell r +- half. It adds the curvature of r^2 phi, the density of a shell's
-    share, by Simpson's rule; r^2 phi is interpolated as exp of a cubic in log r through the table."""
+    """Returns the mean of phi over the shell r +- half. It adds the curvature of r^2 phi, the density of a
+    shell's share, by Simpson's rule; r^2 phi is interpolated as exp of a cubic in log r through the table."""
     log_r, values = np.log(RADII), np.log(np.array(FLUENCE[a]) * np.square(RADII))
     fit = np.polynomial.Polynomial.fit(log_r, values, len(RADII) - 1)
     flux = np.exp(fit(np.log([r - half, r, r + half])))
@@ -47,9 +47,9 @@ def shell_average(a, r, half):
 @pytest.mark.parametrize("r", RADII[1:])
 @pytest.mark.parametrize("integrator", ["path", "plain"])
 def test_fluence_of_a_source_in_an_endless_medium(r, integrator):
-    """By reciprocity the fluence at the centre of a shining shell is the point source's, averaged over the shell;
-    by symmetry the radiance there is the same in all directions. The shell is two spheres in one mesh, and the
-    medium around it is the world's; channels have albedo 0.5, 0.9, 0.5."""
+    """By reciprocity the fluence at the centre of a shining shell is the point source's, averaged over the
+    shell; by symmetry the radiance there is the same in all directions. The shell is two spheres in one
+    mesh, and the medium around it is the world's; channels have albedo 0.5, 0.9, 0.5."""
     half, j = 0.04 * r, 1.0
     shell = joined(sphere(r + half, 5), sphere(r - half, 5, inwards=True))
     medium = d.VolumeClosure((0.5, 0.9, 0.5), (0.5, 0.1, 0.5))
@@ -66,8 +66,8 @@ def test_fluence_of_a_source_in_an_endless_medium(r, integrator):
 
 @pytest.mark.parametrize("lamp", ["point", "ball", "spot"])
 def test_airlight_of_a_lamp_by_single_scattering(lamp):
-    """One scattering event of a ray that passes a lamp at distance h: sigma_s / (4 pi) times the integral of the
-    irradiance's transmitted part, an integral along the ray, in an endless medium of HG g = 0."""
+    """One scattering event of a ray that passes a lamp at distance h: sigma_s / (4 pi) times the integral
+    of the irradiance's transmitted part, an integral along the ray, in an endless medium of HG g = 0."""
     sigma_s, sigma_t, h, power = np.array([0.2, 0.5, 1.0]), np.array([0.4, 0.5, 1.5]), 0.7, 10.0
     radius = 0.02 if lamp == "ball" else 0.0
     kind = "spot" if lamp == "spot" else "point"

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Plane-parallel slabs and half-spaces against published and independently computed numbers.
 
-The slab is a box 2000 mean free paths wide, or a grid stretched as wide, so that nothing reaches its sides. The
-camera's rays are parallel; all pixels are independent estimates of one radiance. Channels carry different albedos
-at the same extinction 1/m, so one render answers three cases. b: optical thickness; a: single-scattering albedo;
-g: Henyey-Greenstein mean cosine; mu: cosine to the normal; matched index, black surroundings.
+The slab is a box 2000 mean free paths wide, or a grid stretched as wide, so that nothing reaches its sides.
+The camera's rays are parallel; all pixels are independent estimates of one radiance. Channels carry different
+albedos at the same extinction 1/m, so one render answers three cases. b: optical thickness; a:
+single-scattering albedo; g: Henyey-Greenstein mean cosine; mu: cosine to the normal; matched index, black
+surroundings.
 
-False alarm: 5 standard errors, 6e-7 for each of about 150 numbers. `most` bounds the standard error, so that a test
-cannot pass by noise.
+False alarm: 5 standard errors, 6e-7 for each of about 150 numbers. `most` bounds the standard error, so that
+a test cannot pass by noise.
 """
 
 import numpy as np
@@ -48,11 +49,12 @@ def radiance(scene, samples=64, **settings):
     return scene.render(size=48, samples=samples, seed=7, **NO_LIMIT, **BOX_FILTER, **settings)["Combined"]
 
 
-# Adding-doubling: iadpython 0.5.3 (S. Prahl), 16 quadrature points, converged to 1e-5; rows a = 0.5, 0.9, 0.99, 1.0.
-# UR1, UT1: reflectance and transmittance (unscattered light included) of a beam along the normal. By reciprocity
-# they are the radiance at mu = 1, above the slab and below it, where radiance 1 falls on its top from everywhere.
-# The rows a = 1, b = 1 agree with van de Hulst 1980, volume 1 table 12 (g = 0: R 0.34133) and volume 2 table 35
-# (g = 0.5: T 0.82389); a = 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995 (diffuse R 0.09739).
+# Adding-doubling: iadpython 0.5.3 (S. Prahl), 16 quadrature points, converged to 1e-5; rows a = 0.5, 0.9,
+# 0.99, 1.0. UR1, UT1: reflectance and transmittance (unscattered light included) of a beam along the normal.
+# By reciprocity they are the radiance at mu = 1, above the slab and below it, where radiance 1 falls on its
+# top from everywhere. The rows a = 1, b = 1 agree with van de Hulst 1980, volume 1 table 12 (g = 0: R
+# 0.34133) and volume 2 table 35 (g = 0.5: T 0.82389); a = 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995
+# (diffuse R 0.09739).
 ADDING_DOUBLING = {
     (0.0, 1): ((0.09912, 0.26741, 0.33292, 0.34133), (0.44606, 0.59163, 0.65098, 0.65867)),
     (0.0, 8): ((0.11523, 0.41484, 0.72875, 0.82180), (0.00082, 0.01602, 0.12207, 0.17820)),
@@ -95,9 +97,9 @@ def test_slab_of_a_grid_is_adding_doubling(tmp_path, openvdb, settings):
         assert_mean(radiance(scene, 64, **settings), expected, rounding=HALF_DIGIT / expected, most=0.01)
 
 
-# DISORT's test suite (Stamnes et al. 1988; disotest of nanodisort and cdisort), problem 1 after van de Hulst 1980,
-# volume 1 table 12, problem 3 after volume 2 table 37. Beams carry flux pi onto the slab. Radiance at mu = 0.1,
-# 0.5, 1 upwards above the slab and (diffuse) downwards below it.
+# DISORT's test suite (Stamnes et al. 1988; disotest of nanodisort and cdisort), problem 1 after van de Hulst
+# 1980, volume 1 table 12, problem 3 after volume 2 table 37. Beams carry flux pi onto the slab. Radiance at
+# mu = 0.1, 0.5, 1 upwards above the slab and (diffuse) downwards below it.
 BEAMS = {
     "1a 1b": (0.03125, (0.2, 1.0, 1.0), 0.0, 0.1,
         ((0.117771, 0.622884), (0.0264170, 0.139763), (0.0134041, 0.0709192)),
@@ -117,7 +119,7 @@ MU = (0.1, 0.5, 1.0)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_a_beam_is_disort(case, below):
     b, albedos, g, mu0, above_table, below_table = BEAMS[case]
-    samples, most = (24, 0.04) if b == 32 else (64, 0.02)
+    samples, most = (40, 0.1) if b == 32 else (64, 0.02)
     for mu, values in zip(MU, below_table if below else above_table, strict=True):
         scene = slab(b, closure(albedos, g), camera(b, mu, below), lights=(beam(mu0, np.pi / mu0),))
         expected = [values[0], values[-1], values[-1]]
@@ -133,7 +135,6 @@ ISOTROPIC = {0.03125: ((0.133177, 0.0299879, 0.0152233), (0.863946, 0.969363, 0.
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_isotropic_light_is_disort(b, below):
     for mu, value in zip(MU, ISOTROPIC[b][below], strict=True):
-        dark = b == 32 and below  # one path in some hundred arrives
         scene = slab(b, closure((0.99,) * 3), camera(b, mu, below), UP)
         assert_mean(radiance(scene, 32 if b == 32 else 128), value, rounding=2e-5, most=0.02)
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The path tracer against its plain twin (integrator = plain: no light sampling, no MIS, no roulette, no local
-majorants, one channel per path), and its own ways of tracking against each other, on small scenes.
+"""The path tracer against its plain twin (integrator = plain: no light sampling, no MIS, no roulette, no
+local majorants, one channel per path), and its own ways of tracking against each other, on small scenes.
 
-Every scene is rendered with several seeds by each side. Pixels are averaged over blocks; a block's standard error
-comes from the scatter between seeds, so nothing is assumed of the samples within a render. Welch's t over all blocks
-and channels of a scene, Sidak-corrected: a right renderer fails one scene with probability 1e-4. Besides, the whole
-image's means are held together at 1e-4 per scene, which sees small biases best.
+Every scene is rendered with several seeds by each side. Pixels are averaged over blocks; a block's standard
+error comes from the scatter between seeds, so nothing is assumed of the samples within a render. Welch's t
+over all blocks and channels of a scene, Sidak-corrected: a right renderer fails one scene with probability
+1e-4. Besides, the whole image's means are held together at 1e-4 per scene, which sees small biases best.
 """
 
 from pathlib import Path
@@ -57,7 +57,8 @@ def everything():
 
 
 def chromatic_overlap():
-    """Two closures in one grid, a box through it, a ball with the camera inside; all chromatic, one shines."""
+    """Two closures in one grid, a box through it, a ball with the camera inside; all chromatic, one
+    shines."""
     scene = Scene(perspective((1.0, -0.4, 0.2), (0, 0, 0)), SKY)
     scene.add_volume(
         GRID, medium((1, 4, 0), (2, 0, 1), 0.7, density_grid="density"), medium((0, 1, 3), (0, 0.5, 0), -0.4)
@@ -91,8 +92,8 @@ def depth_of_field():
 
 
 def lamps_inside():
-    """Ball, soft ball, spot and area lamps amid a box of fog and a grid; one lamp casts no shadow on itself: none
-    blocks another's light."""
+    """Ball, soft ball, spot and area lamps amid a box of fog and a grid; one lamp casts no shadow on
+    itself: none blocks another's light."""
     fog = medium((0.6, 0.5, 0.4), 0.05, 0.4)
     lights = (
         d.Light("ball", "point", placed(-0.5, 0.2, 0.4), (20.0, 15.0, 10.0), radius=0.25),
@@ -121,7 +122,8 @@ def wide_suns():
 
 
 def veils():
-    """Half-transparent, shining and invisible surfaces between lamp, grid and camera; an object without shadow."""
+    """Half-transparent, shining and invisible surfaces between lamp, grid and camera; an object without
+    shadow."""
     veil = constant_program(
         ("transparent", (0.7, 0.5, 0.9)), ("diffuse", (0.2, 0.3, 0.05), 0.0, None), ("emission", 0.1, 1.0)
     )
@@ -152,7 +154,8 @@ def endless_fog():
 
 
 def moments(scene, seeds, samples, block, **settings):
-    """Returns (means, squared standard errors), each of all blocks and channels, then the same of the whole image."""
+    """Returns (means, squared standard errors), each of all blocks and channels, then the same of the
+    whole image."""
     images = []
     for seed in range(seeds):
         image = scene.render(size=24, samples=samples, seed=seed, **NO_LIMIT, **settings)["Combined"]
@@ -172,7 +175,8 @@ def assert_same(one, other, seeds):
         limit = 1 - (1 - FALSE_ALARM) ** (1 / p.size)
         worst = np.unravel_index(p.argmin(), p.shape)
         assert p.min() > limit, (
-            f"{what} {worst}: {mean[worst]:.5g} against {mean2[worst]:.5g}, t = {t[worst]:.1f}, p = {p.min():.1e}"
+            f"{what} {worst}: {mean[worst]:.5g} against {mean2[worst]:.5g}, "
+            f"t = {t[worst]:.1f}, p = {p.min():.1e}"
         )
         if what == "image":  # the comparison must be able to see some percent
             assert np.all(np.sqrt(sum2) < 0.015 * mean), f"too noisy to tell: {np.sqrt(sum2) / mean}"
@@ -201,11 +205,11 @@ def test_path_and_plain_twin_agree(make):
 @pytest.mark.parametrize("make", [everything, chromatic_overlap, lamps_inside], ids=lambda f: f.__name__)
 def test_all_ways_of_tracking_agree(make):
     scene, seeds = make(), 16
-    reference = moments(scene, seeds, 96, 6)
+    reference = moments(scene, seeds, 64, 6)
     for other in (
         {"tracking": "delta"},
         {"majorant": "global"},
         {"sampler": "independent"},
         {"roulette_depth": 0},
     ):
-        assert_same(reference, moments(scene, seeds, 96, 6, **other), seeds)
+        assert_same(reference, moments(scene, seeds, 64, 6, **other), seeds)

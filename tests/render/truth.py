@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes built from numbers, rendered straight by the native module, and statistics over their pixels.
 
-Shared by the truth tests of the renderer. World space in metres; images are (height, width, channels), first row
-at the bottom.
+Shared by the truth tests of the renderer. World space in metres; images are (height, width, channels), first
+row at the bottom.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,8 @@ RAY = {name: 1 << i for i, name in enumerate(opcodes.RAY_KINDS)}
 
 
 def constant_program(*closures):
-    """Returns a program of constant closures, each (kind, *inputs), an input a number, an RGB or None (no normal)."""
+    """Returns a program of constant closures, each (kind, *inputs), an input a number, an RGB or None (no
+    normal)."""
     registers, rows = [(1.0, 1.0, 1.0)], []
     for kind, *inputs in closures:
         numbers = []
@@ -244,11 +245,12 @@ def estimate(image):
 
 
 def assert_mean(image, expected, sigmas=5.0, rounding=0.0, most=None):
-    """Asserts that the pixels' mean is `expected` (per channel), within `sigmas` standard errors and `rounding`
-    (relative: digits that the reference lacks). False alarm of 5 standard errors: 6e-7 per number.
+    """Asserts that the pixels' mean is `expected` (per channel), within `sigmas` standard errors and
+    `rounding` (relative: digits that the reference lacks). False alarm of 5 standard errors: 6e-7 per
+    number.
 
-    most: the largest standard error allowed, relative to what is expected (or to 0.01 where that is darker), so
-    that the test cannot pass by being too noisy.
+    most: the largest standard error allowed, relative to what is expected (or to 0.01 where that is darker),
+    so that the test cannot pass by being too noisy.
     """
     e = estimate(image)
     expected = np.broadcast_to(np.asarray(expected, float), e.mean.shape)
@@ -262,8 +264,9 @@ def assert_mean(image, expected, sigmas=5.0, rounding=0.0, most=None):
 
 
 def assert_blocks(image, expected, size=4, false_alarm=1e-4, rounding=0.0):
-    """Asserts that the mean of every block of size x size pixels is `expected` (per channel): Student's t of the
-    block's pixels, all blocks and channels together failing by chance with probability `false_alarm` (Sidak).
+    """Asserts that the mean of every block of size x size pixels is `expected` (per channel): Student's t
+    of the block's pixels, all blocks and channels together failing by chance with probability
+    `false_alarm` (Sidak).
 
     The pixels of a block must be independent with the same expectation.
     """
@@ -277,6 +280,6 @@ def assert_blocks(image, expected, size=4, false_alarm=1e-4, rounding=0.0):
     limit = scipy.stats.t.isf((1 - (1 - false_alarm) ** (1 / t.size)) / 2, n - 1)
     worst = np.unravel_index(t.argmax(), t.shape)
     assert t.max() <= limit, (
-        f"block (row, column, channel) {worst} is {blocks.mean(-1)[worst]:.6g} +- {error[worst]:.2g}, expected "
-        f"{expected}: t = {t.max():.1f}, allowed {limit:.1f}"
+        f"block (row, column, channel) {worst} is {blocks.mean(-1)[worst]:.6g} +- {error[worst]:.2g}, "
+        f"expected {expected}: t = {t.max():.1f}, allowed {limit:.1f}"
     )
