@@ -2,9 +2,9 @@
 """The scene description: everything a render needs, as plain dataclasses of numbers and numpy arrays.
 
 `export/` writes it from Blender, `bridge.py` reads it into the native module, `description_file.py` saves and
-loads it. It knows neither bpy nor the native module. World space is Blender's (right-handed, z up), lengths in
-metres (Blender units), colours scene-linear Rec. 709. Matrices are 4x4 float64, column vectors: p_to = M @ p_from,
-named `to_from_from`. Images and films have their first row at the bottom, as in Blender.
+loads it. It knows neither bpy nor the native module. World space is Blender's (right-handed, z up), lengths
+in metres (Blender units), colours scene-linear Rec. 709. Matrices are 4x4 float64, column vectors:
+p_to = M @ p_from, named `to_from_from`. Images and films have their first row at the bottom, as in Blender.
 """
 
 from dataclasses import dataclass, field
@@ -26,8 +26,9 @@ class Image:
 
 @dataclass(frozen=True)
 class Closure:
-    """A closure of a shading program. kind: a key of opcodes.CLOSURES. weight, inputs: register numbers; input -1
-    means "not connected" (only for normals: use the shading normal). mode: distribution index for microfacets."""
+    """A closure of a shading program. kind: a key of opcodes.CLOSURES. weight, inputs: register numbers;
+    input -1 means "not connected" (only for normals: use the shading normal). mode: distribution index for
+    microfacets."""
 
     kind: str
     weight: int
@@ -37,8 +38,8 @@ class Closure:
 
 @dataclass(frozen=True)
 class Program:
-    """A shading program (see opcodes.py). registers: (R, 3) float32 initial values, R <= 256, constants among them.
-    code: (N, 8) int32. parameters: (P,) float32."""
+    """A shading program (see opcodes.py). registers: (R, 3) float32 initial values, R <= 256, constants
+    among them. code: (N, 8) int32. parameters: (P,) float32."""
 
     registers: Array = field(default_factory=lambda: np.ones((1, 3), np.float32))
     code: Array = field(default_factory=lambda: np.zeros((0, 8), np.int32))
@@ -48,9 +49,9 @@ class Program:
 
 @dataclass(frozen=True)
 class VolumeClosure:
-    """One volume shader. sigma_s, sigma_a: (3,) 1/m at density 1. emission: (3,) W/(m^3 sr). g: Henyey-Greenstein mean
-    cosine. density_grid: name of the grid that multiplies sigma_s and sigma_a, or None for 1 everywhere.
-    emission_grid: the same for emission."""
+    """One volume shader. sigma_s, sigma_a: (3,) 1/m at density 1. emission: (3,) W/(m^3 sr). g:
+    Henyey-Greenstein mean cosine. density_grid: name of the grid that multiplies sigma_s and sigma_a, or
+    None for 1 everywhere. emission_grid: the same for emission."""
 
     sigma_s: tuple = (0.0, 0.0, 0.0)
     sigma_a: tuple = (0.0, 0.0, 0.0)
@@ -62,7 +63,8 @@ class VolumeClosure:
 
 @dataclass(frozen=True)
 class Material:
-    """surface: None where the material has no surface shader (a pure volume boundary). volume: closures, () for none."""
+    """surface: None where the material has no surface shader (a pure volume boundary). volume: closures, ()
+    for none."""
 
     name: str
     surface: Program | None = None
@@ -71,9 +73,10 @@ class Material:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A triangle mesh in object space. positions (N, 3) float32; triangles (T, 3) int32; corner_normals (T, 3, 3) float32
-    or None (flat); uvs: tuple of (T, 3, 2) float32 by number; attributes: tuple of (T, 3, 4) float32 by number;
-    material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box of generated coordinates."""
+    """A triangle mesh in object space. positions (N, 3) float32; triangles (T, 3) int32; corner_normals (T,
+    3, 3) float32 or None (flat); uvs: tuple of (T, 3, 2) float32 by number; attributes: tuple of (T, 3, 4)
+    float32 by number; material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box
+    of generated coordinates."""
 
     name: str
     positions: Array
@@ -88,8 +91,9 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Instance:
-    """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none: a grey
-    diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index: object's."""
+    """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none:
+    a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index:
+    object's."""
 
     name: str
     mesh: int
@@ -103,9 +107,9 @@ class Instance:
 
 @dataclass(frozen=True)
 class Volume:
-    """A VDB file placed in the world. path: absolute, of this frame. world_from_object: from the file's world space (its
-    grids' own transforms applied) to ours. material: index. density_scale: multiplies sigma_s, sigma_a and emission
-    (Blender's object-space density). visibility: bits of opcodes.RAY_KINDS."""
+    """A VDB file placed in the world. path: absolute, of this frame. world_from_object: from the file's
+    world space (its grids' own transforms applied) to ours. material: index. density_scale: multiplies
+    sigma_s, sigma_a and emission (Blender's object-space density). visibility: bits of opcodes.RAY_KINDS."""
 
     name: str
     path: str
@@ -119,11 +123,11 @@ class Volume:
 class Light:
     """A light without mesh. kind: "point", "sun", "spot" or "area". It shines along its local -z.
 
-    power: (3,) RGB: W for point, spot, area; W/m^2 for sun (at normal incidence). normalize False: power per m^2 of the
-    light's area. radius: m (point, spot). angle: full angle of the sun's disc, rad. spot_size: full cone angle, rad;
-    spot_blend in [0,1]. shape: "rectangle" or "ellipse"; size: (x, y) m. spread: full angle of an area light, rad.
-    Lights are not seen by the camera. visibility: rays that see it when they hit it. cast_shadow False: never blocked.
-    max_bounces: paths longer than that do not see it."""
+    power: (3,) RGB: W for point, spot, area; W/m^2 for sun (at normal incidence). normalize False: power per
+    m^2 of the light's area. radius: m (point, spot). angle: full angle of the sun's disc, rad. spot_size:
+    full cone angle, rad; spot_blend in [0,1]. shape: "rectangle" or "ellipse"; size: (x, y) m. spread: full
+    angle of an area light, rad. Lights are not seen by the camera. visibility: rays that see it when they
+    hit it. cast_shadow False: never blocked. max_bounces: paths longer than that do not see it."""
 
     name: str
     kind: str
@@ -145,7 +149,8 @@ class Light:
 
 @dataclass(frozen=True)
 class World:
-    """background: program with emission closures, evaluated by direction (None: black). volume: closures everywhere."""
+    """background: program with emission closures, evaluated by direction (None: black). volume: closures
+    everywhere."""
 
     background: Program | None = None
     volume: tuple = ()
@@ -154,10 +159,10 @@ class World:
 
 @dataclass(frozen=True)
 class Camera:
-    """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right, bottom, top) of
-    the full frame at distance 1 (perspective) or in metres (orthographic). clip_start, clip_end: along the view axis.
-    aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio: anamorphic.
-    focus_distance: m along the view axis."""
+    """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right,
+    bottom, top) of the full frame at distance 1 (perspective) or in metres (orthographic). clip_start,
+    clip_end: along the view axis. aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation:
+    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis."""
 
     name: str
     kind: str
@@ -174,9 +179,10 @@ class Camera:
 
 @dataclass(frozen=True)
 class Film:
-    """width, height: full frame in pixels. crop: (x0, y0, x1, y1) pixels rendered, x1 and y1 exclusive, row 0 at the
-    bottom; None for the full frame. transparent: the background counts as alpha 0 and adds nothing. passes: names of
-    passes.PASSES. mist: (start, depth, falloff) with falloff "linear", "quadratic" or "inverse_quadratic"."""
+    """width, height: full frame in pixels. crop: (x0, y0, x1, y1) pixels rendered, x1 and y1 exclusive, row
+    0 at the bottom; None for the full frame. transparent: the background counts as alpha 0 and adds nothing.
+    passes: names of passes.PASSES. mist: (start, depth, falloff) with falloff "linear", "quadratic" or
+    "inverse_quadratic"."""
 
     width: int
     height: int
@@ -188,8 +194,8 @@ class Film:
 
 @dataclass(frozen=True)
 class Scene:
-    """The whole. settings: see parameters.py (missing names take their defaults). warnings: what the exporter left out,
-    one sentence each, naming object and node."""
+    """The whole. settings: see parameters.py (missing names take their defaults). warnings: what the
+    exporter left out, one sentence each, naming object and node."""
 
     camera: Camera
     film: Film

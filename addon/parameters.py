@@ -32,7 +32,8 @@ class Parameter:
     group: str = "sampling"
 
     def parse(self, text):
-        """Returns the value that `text` (from a command line) stands for; raises ValueError naming the remedy."""
+        """Returns the value that `text` (from a command line) stands for; raises ValueError naming the
+        remedy."""
         if self.kind == "bool":
             values = {
                 "1": True,
@@ -56,7 +57,8 @@ class Parameter:
         return self.checked(value)
 
     def checked(self, value):
-        """Returns `value` as this parameter's type; raises ValueError when it is outside the declared range."""
+        """Returns `value` as this parameter's type; raises ValueError when it is outside the declared
+        range."""
         if self.kind == "enum":
             names = [item[0] for item in self.items]
             if value not in names:
@@ -254,5 +256,6 @@ def lookup(name):
 
 
 def checked(settings):
-    """Returns a full, checked settings dict: defaults overlaid with `settings`. Raises KeyError or ValueError."""
+    """Returns a full, checked settings dict: defaults overlaid with `settings`. Raises KeyError or
+    ValueError."""
     return defaults() | {name: lookup(name).checked(value) for name, value in settings.items()}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a .blend with Blender's own path tracer, Cycles, set to solve the same equation as Nephele.
 
-Unbiased volumes (null scattering) on grids at full precision, the same bounce limits, no light tree, clamping,
-filtered caustics, adaptive sampling, guiding or denoising. Cycles runs in a process of its own, all seeds in
+Unbiased volumes (null scattering) on grids at full precision, the same bounce limits, no light tree,
+clamping, filtered caustics, adaptive sampling, guiding or denoising. Cycles runs in a process of its own, all seeds in
 one; this file is also that process's script:
 
     python -P bench/cycles.py JOB.json OUT.npz
@@ -35,12 +35,12 @@ PASSES = {
 class Job:
     """What to render.
 
-    scene: path of the .blend. resolution: (width, height) in pixels. seeds: one image each. bounces: scattering
-    events of a path, whatever their kind, as Nephele's `max_bounces`. pixel_filter: "BOX", "GAUSSIAN" or
-    "BLACKMAN_HARRIS", filter_width in pixels (not for BOX); None: the file's own. frame: None for the file's.
-    guiding: path guiding, surfaces and volumes. persistent: keep what was set up from one seed to the next; without
-    it every image pays for the whole preparation, which for a volume takes Cycles seconds.
-    """
+    scene: path of the .blend. resolution: (width, height) in pixels. seeds: one image each. bounces:
+    scattering events of a path, whatever their kind, as Nephele's `max_bounces`. pixel_filter: "BOX",
+    "GAUSSIAN" or "BLACKMAN_HARRIS", filter_width in pixels (not for BOX); None: the file's own. frame: None
+    for the file's. guiding: path guiding, surfaces and volumes. persistent: keep what was set up from one
+    seed to the next; without it every image pays for the whole preparation, which for a volume takes Cycles
+    seconds."""
 
     scene: str
     resolution: tuple
@@ -106,8 +106,9 @@ def prepare(bpy, job):
     layer.samples = 0
     match_settings(scene.cycles, job)
     for light in bpy.data.lights:
-        # Cycles 5.0 loses light where a path in a medium meets a point or spot lamp inside it: 4 % of such a lamp at
-        # the second bounce, 6 to 14 % after sixteen. Without MIS nothing but light sampling finds it, and all is well.
+        # Cycles 5.0 loses light where a path in a medium meets a point or spot lamp inside it: 4 % of such a
+        # lamp at the second bounce, 6 to 14 % after sixteen. Without MIS nothing but light sampling finds
+        # it, and all is well.
         light.cycles.use_multiple_importance_sampling = light.type not in {"POINT", "SPOT"}
     for volume in bpy.data.volumes:
         volume.render.precision = "FULL"

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `make bench` measures: CPU time at equal samples against Cycles 5.0, time to the first tile, memory of a sparse grid.
+"""What `make bench` measures: CPU time at equal samples against Cycles 5.0, time to the first tile, memory
+of a sparse grid.
 
-Both renderers get the same .blend, 2 threads, unbiased volumes and the same bounces, in turns, and the medians of their
-CPU seconds are compared: from the scene in memory to the finished image, preparation included. Prints Markdown and writes
-out/bench/foundation.json.
+Both renderers get the same .blend, 2 threads, unbiased volumes and the same bounces, in turns, and the
+medians of their CPU seconds are compared: from the scene in memory to the finished image, preparation
+included. Prints Markdown and writes out/bench/foundation.json.
 """
 
 import argparse
@@ -98,7 +99,8 @@ openvdb.write(sys.argv[1], [grid])
 
 
 def run_script(script, *arguments):
-    """Returns the last line that a Python script prints in a process of its own. Raises CalledProcessError."""
+    """Returns the last line that a Python script prints in a process of its own. Raises
+    CalledProcessError."""
     command = [sys.executable, "-c", script, *map(str, arguments)]
     return (
         subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip().rpartition("\n")[2]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a bundled .blend with Nephele once per seed, for statistics over seeds and for timing.
 
-The scene is exported once, in a process of its own (the command line), and rendered from its description here.
-"""
+The scene is exported once, in a process of its own (the command line), and rendered from its description
+here."""
 
 import dataclasses
 import subprocess

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bundled scenes against Blender's own path tracer, Cycles 5.0, set to unbiased volumes and the same bounces.
 
-Both renderers render every scene with SEEDS seeds. Pixels are averaged over blocks of BLOCK x BLOCK; standard errors come
-from the scatter between seeds, so nothing is assumed of the samples within a render. Two tests per scene, each with a false
-alarm in 1e-3 if both renderers were exact: Welch's t over all blocks and channels, Sidak-corrected, and the whole
-image's mean. Convention, not error, where the two part (see docs/decisions.md): lamps of finite size *inside* a medium, which Cycles
-sees from outside only; they are taken out of the scene here and held against the plain twin in test_twin.py.
-"""
+Both renderers render every scene with SEEDS seeds. Pixels are averaged over blocks of BLOCK x BLOCK;
+standard errors come from the scatter between seeds, so nothing is assumed of the samples within a render.
+Two tests per scene, each with a false alarm in 1e-3 if both renderers were exact: Welch's t over all blocks
+and channels, Sidak-corrected, and the whole image's mean. Convention, not error, where the two part (see
+docs/decisions.md): lamps of finite size *inside* a medium, which Cycles sees from outside only; they are
+taken out of the scene here and held against the plain twin in test_twin.py."""
 
 import sys
 from pathlib import Path

@@ -30,7 +30,8 @@ def scene(bpy):
 
 
 def render(bpy, path):
-    """Renders the current scene to a multilayer EXR. Returns channel name -> (height, width), top row first."""
+    """Renders the current scene to a multilayer EXR. Returns channel name -> (height, width), top row
+    first."""
     settings = bpy.context.scene.render
     settings.image_settings.media_type = "MULTI_LAYER_IMAGE"
     settings.image_settings.file_format = "OPEN_EXR_MULTILAYER"
