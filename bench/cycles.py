@@ -2,8 +2,8 @@
 """Renders a .blend with Blender's own path tracer, Cycles, set to solve the same equation as Nephele.
 
 Unbiased volumes (null scattering) on grids at full precision, the same bounce limits, no light tree,
-clamping, filtered caustics, adaptive sampling, guiding or denoising. Cycles runs in a process of its own, all seeds
-in one; this file is also that process's script:
+clamping, filtered caustics, adaptive sampling, guiding or denoising. Cycles runs in a process of its own,
+all seeds in one; this file is also that process's script:
 
     python -P bench/cycles.py JOB.json OUT.npz
 
