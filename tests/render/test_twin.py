@@ -205,11 +205,11 @@ def test_path_and_plain_twin_agree(make):
 @pytest.mark.parametrize("make", [everything, chromatic_overlap, lamps_inside], ids=lambda f: f.__name__)
 def test_all_ways_of_tracking_agree(make):
     scene, seeds = make(), 16
-    reference = moments(scene, seeds, 64, 6)
+    reference = moments(scene, seeds, 128, 6)
     for other in (
         {"tracking": "delta"},
         {"majorant": "global"},
         {"sampler": "independent"},
         {"roulette_depth": 0},
     ):
-        assert_same(reference, moments(scene, seeds, 64, 6, **other), seeds)
+        assert_same(reference, moments(scene, seeds, 128, 6, **other), seeds)
