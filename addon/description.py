@@ -48,17 +48,31 @@ class Program:
 
 
 @dataclass(frozen=True)
+class Phase:
+    """A phase function. kind: a key of opcodes.PHASES, which says what a and b mean."""
+
+    kind: str = "henyey_greenstein"
+    a: float = 0.0
+    b: float = 0.0
+
+
+@dataclass(frozen=True)
 class VolumeClosure:
-    """One volume shader. sigma_s, sigma_a: (3,) 1/m at density 1. emission: (3,) W/(m^3 sr). g:
-    Henyey-Greenstein mean cosine. density_grid: name of the grid that multiplies sigma_s and sigma_a, or
-    None for 1 everywhere. emission_grid: the same for emission."""
+    """One volume shader. sigma_s, sigma_a: (3,) 1/m at density 1. emission: (3,) W/(m^3 sr). density_grid:
+    name of the grid that multiplies sigma_s and sigma_a, or None for 1 everywhere. emission_grid: the same
+    for emission.
+
+    program: for what varies otherwise; run at each point, it has one closure "medium", which replaces all of
+    the above. grids: names of the grids that its "grid" operations read, by number."""
 
     sigma_s: tuple = (0.0, 0.0, 0.0)
     sigma_a: tuple = (0.0, 0.0, 0.0)
     emission: tuple = (0.0, 0.0, 0.0)
-    g: float = 0.0
+    phase: Phase = Phase()
     density_grid: str | None = None
     emission_grid: str | None = None
+    program: Program | None = None
+    grids: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -109,7 +123,12 @@ class Instance:
 class Volume:
     """A VDB file placed in the world. path: absolute, of this frame. world_from_object: from the file's
     world space (its grids' own transforms applied) to ours. material: index. density_scale: multiplies
-    sigma_s, sigma_a and emission (Blender's object-space density). visibility: bits of opcodes.RAY_KINDS."""
+    sigma_s, sigma_a and emission (Blender's object-space density). visibility: bits of opcodes.RAY_KINDS.
+
+    clipping: voxels of smaller value count as empty. precision: "full", "half" or "file" (as stored).
+    velocity_grids: names of one vector grid or three scalar ones, () for no motion blur; their values times
+    velocity_scale are metres of the file's space per frame. generated_min, generated_size: box of generated
+    coordinates, file's space. random, color, pass_index: see Instance."""
 
     name: str
     path: str
@@ -117,6 +136,15 @@ class Volume:
     material: int
     density_scale: float = 1.0
     visibility: int = ALL_RAYS
+    clipping: float = 0.0
+    precision: str = "file"
+    velocity_grids: tuple = ()
+    velocity_scale: float = 0.0
+    generated_min: tuple = (-1.0, -1.0, -1.0)
+    generated_size: tuple = (2.0, 2.0, 2.0)
+    random: float = 0.0
+    color: tuple = (1.0, 1.0, 1.0, 1.0)
+    pass_index: int = 0
 
 
 @dataclass(frozen=True)
@@ -195,7 +223,8 @@ class Film:
 @dataclass(frozen=True)
 class Scene:
     """The whole. settings: see parameters.py (missing names take their defaults). warnings: what the
-    exporter left out, one sentence each, naming object and node."""
+    exporter left out, one sentence each, naming object and node. shutter: times at which it opens and closes,
+    in frames from this one; equal without motion blur."""
 
     camera: Camera
     film: Film
@@ -208,3 +237,4 @@ class Scene:
     lights: tuple = ()
     world: World = field(default_factory=World)
     warnings: tuple = ()
+    shutter: tuple = (0.0, 0.0)

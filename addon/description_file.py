@@ -16,7 +16,7 @@ from . import archive, description
 from .errors import InputError
 
 KIND = "Nephele scene description"
-VERSION = 1
+VERSION = 2
 CLASSES = {
     name: value
     for name, value in vars(description).items()

@@ -2,7 +2,7 @@
 """Operations of shading programs and kinds of closures, declared once.
 
 A shading program is what the exporter makes of a Blender node tree: straight-line code over registers of
-three floats, run per shading point by `native/surfaces/program.h`. A scalar fills all three channels.
+three floats, run per shading point by `native/shading/program.h`. A scalar fills all three channels.
 The native enums are generated from these tables by `tools/generate_tables.py`. Knows neither bpy nor native.
 
 An instruction is a row of 8 int32: (op, destination, a, b, c, d, parameter, mode). a to d are registers;
@@ -38,6 +38,7 @@ OPCODES = {
     "environment_mirror_ball": "image number parameters[0] seen in direction a, mirror ball; RGB",
     "checker": "b where the checker of point a, scale d.x, is odd, else c",
     "checker_fac": "1 where the checker of point a, scale d.x, is odd, else 0",
+    "grid": "volumes: grid number `mode` of the closure at point a, world space; a scalar grid fills all channels; 0 elsewhere",
     "noise": "Perlin fractal (fBM) at point a * b.x; c = (detail, roughness, lacunarity); d.x = distortion; "
     "mode: bit 0 colour, bit 1 normalize, bits 2-3 dimensions 0 3D 1 2D 2 1D",
     "gradient": "gradient of point a; mode 0 linear 1 quadratic 2 easing 3 diagonal 4 spherical 5 quadratic sphere 6 radial",
@@ -119,7 +120,9 @@ BLEND_MODES = (
     "linear_light", "difference", "exclusion", "subtract", "divide", "hue", "saturation", "color", "value",
 )  # fmt: skip
 
-# Surface closures and the registers they read, in order. Every closure also has a weight register.
+# Closures and the registers they read, in order. Every closure also has a weight register. All but the last
+# are of surfaces and lights; "medium" is that of a volume (1/m, 1/m, W/(m^3 sr); the phase function's kind is
+# its mode and its parameters are the last two).
 CLOSURES = {
     "diffuse": ("color", "roughness", "normal"),
     "glossy": ("color", "roughness", "normal"),
@@ -133,6 +136,7 @@ CLOSURES = {
         "transmission_weight", "coat_weight", "coat_roughness", "coat_ior", "coat_tint", "coat_normal",
         "sheen_weight", "sheen_roughness", "sheen_tint", "emission_color", "emission_strength",
     ),
+    "medium": ("sigma_s", "sigma_a", "emission", "phase_a", "phase_b"),
 }  # fmt: skip
 
 # Bits of a ray's kind, as "ray_is" tests them and as visibility masks count them.
@@ -140,3 +144,12 @@ RAY_KINDS = ("camera", "diffuse", "glossy", "transmission", "volume", "shadow")
 
 # Microfacet distribution variants of glossy, glass and principled: the closure row's mode.
 DISTRIBUTIONS = ("ggx", "multi_ggx", "beckmann")
+
+# Phase functions and what their parameters a and b mean: a closure's mode is the index.
+PHASES = {
+    "henyey_greenstein": ("g",),
+    "rayleigh": (),
+    "draine": ("g", "alpha"),
+    "fournier_forand": ("ior", "backscatter"),
+    "mie": ("diameter",),  # of water droplets, micrometres
+}

@@ -14,9 +14,9 @@
 
 #include "math/sampler.h"
 #include "math/warp.h"
-#include "media/brick_grid.h"
-#include "media/majorant_grid.h"
-#include "media/vdb_file.h"
+#include "grids/brick_grid.h"
+#include "grids/majorant_grid.h"
+#include "grids/vdb_file.h"
 
 namespace {
 

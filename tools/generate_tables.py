@@ -102,7 +102,8 @@ def name_array(variable, names):
 
 
 def opcodes_header(opcodes):
-    """Returns opcodes_table.h: Op, ClosureKind, the closures' input indices, BlendMode, Distribution."""
+    """Returns opcodes_table.h: Op, ClosureKind, the closures' input indices, BlendMode, Distribution,
+    PhaseKind."""
     input_counts = ", ".join(str(len(inputs)) for inputs in opcodes.CLOSURES.values())
     body = [
         "/// Operation of an instruction. What each one writes: addon/opcodes.py.",
@@ -135,6 +136,11 @@ def opcodes_header(opcodes):
         "/// Kinds of rays, in the order of RayKind's bits (base/surface.h).",
         f"inline constexpr int kRayKindCount = {len(opcodes.RAY_KINDS)};",
         name_array("kRayKindNames", opcodes.RAY_KINDS),
+        "",
+        "/// Phase functions; the meaning of their parameters: addon/opcodes.py.",
+        *enumeration("enum class PhaseKind : int", opcodes.PHASES),
+        f"inline constexpr int kPhaseKindCount = {len(opcodes.PHASES)};",
+        name_array("kPhaseKindNames", opcodes.PHASES),
     ]
     return header("opcodes.py", (), body)
 

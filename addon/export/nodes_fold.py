@@ -3,7 +3,7 @@
 
 Every function takes arrays of three floats and returns three floats or one for all three. Operations that
 need the shading point, an image or a noise table are absent. The native interpreter is the other half of this
-contract: native/surfaces/program.h.
+contract: native/shading/program.h.
 """
 
 import numpy as np

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..description import VolumeClosure
+from ..description import Phase, VolumeClosure
 from .nodes_math import clamp01
 from .nodes_tree import default_value, inputs_first, relay, upstream
 
@@ -225,7 +225,7 @@ def _principled(v, node, path):
     yield VolumeClosure(
         sigma_s=tuple(color * density),
         sigma_a=tuple(np.maximum(1 - color, 0) * np.maximum(1 - absorption, 0) * density),
-        g=v.phase(node, path),
+        phase=Phase(a=v.phase(node, path)),
         density_grid=grid,
     )
     yield from _emission(v, node, path, "Emission Color", "Emission Strength")
@@ -241,7 +241,7 @@ def _emission(v, node, path, color, strength):
 def _scatter(v, node, path):
     density, grid = v.density(node, path)
     color = np.maximum(v.color(node, "Color", path), 0.0)
-    yield VolumeClosure(sigma_s=tuple(color * density), g=v.phase(node, path), density_grid=grid)
+    yield VolumeClosure(sigma_s=tuple(color * density), phase=Phase(a=v.phase(node, path)), density_grid=grid)
 
 
 def _absorption(v, node, path):
@@ -255,11 +255,11 @@ def _coefficients(v, node, path):
         v.factor(node, f"{name} Coefficients", path) for name in ("Scatter", "Absorption", "Emission")
     )
     rgb = [tuple(np.maximum(f.rgb, 0.0)) for f in (scatter, absorb, emit)]
-    g = v.phase(node, path)
+    phase = Phase(a=v.phase(node, path))
     if scatter.grid == absorb.grid:
-        yield VolumeClosure(sigma_s=rgb[0], sigma_a=rgb[1], g=g, density_grid=scatter.grid)
+        yield VolumeClosure(sigma_s=rgb[0], sigma_a=rgb[1], phase=phase, density_grid=scatter.grid)
     else:
-        yield VolumeClosure(sigma_s=rgb[0], g=g, density_grid=scatter.grid)
+        yield VolumeClosure(sigma_s=rgb[0], phase=phase, density_grid=scatter.grid)
         yield VolumeClosure(sigma_a=rgb[1], density_grid=absorb.grid)
     yield VolumeClosure(emission=rgb[2], emission_grid=emit.grid)
 

@@ -22,6 +22,7 @@ enum RayKind : std::uint32_t {
 
 struct Instance;  // scene/scene.h
 struct Mesh;
+class VolumeFields;  // grids/volume_fields.h
 
 /// Everything a shading program can ask about a point. For the world's background `p`, `ng` and `ns` hold the
 /// direction.
@@ -35,6 +36,7 @@ struct ShadingPoint {
     std::uint32_t triangle = 0;
     const Instance* instance = nullptr;  ///< null for the world
     const Mesh* mesh = nullptr;
+    const VolumeFields* volume = nullptr;  ///< grids that a volume's program reads; null elsewhere
     bool backfacing = false;
     std::uint32_t ray_kind = kCameraRay;
 };

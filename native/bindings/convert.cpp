@@ -125,22 +125,44 @@ std::optional<Program> program(nb::handle p) {
     return out;
 }
 
+PhaseFunction phase_function(nb::handle p) {
+    const std::string kind = text(p, "kind");
+    const auto* end = kPhaseKindNames + kPhaseKindCount;
+    const auto* found = std::find(kPhaseKindNames, end, kind);
+    if (found == end)
+        throw std::invalid_argument("phase function '" + kind + "' is not known");
+    return {static_cast<PhaseKind>(found - kPhaseKindNames), value<float>(p, "a"), value<float>(p, "b")};
+}
+
 VolumeClosure volume_closure(nb::handle c) {
     const auto grid = [&](const char* attribute) {
         const nb::object name = c.attr(attribute);
         return name.is_none() ? std::string() : nb::cast<std::string>(name);
     };
-    return {rgb(c, "sigma_s"),    rgb(c, "sigma_a"),    rgb(c, "emission"),
-            value<float>(c, "g"), grid("density_grid"), grid("emission_grid")};
+    VolumeClosure out{rgb(c, "sigma_s"),
+                      rgb(c, "sigma_a"),
+                      rgb(c, "emission"),
+                      phase_function(c.attr("phase")),
+                      grid("density_grid"),
+                      grid("emission_grid"),
+                      program(c.attr("program")),
+                      {}};
+    for (nb::handle name : nb::borrow<nb::object>(c.attr("grids")))
+        out.grids.push_back(nb::cast<std::string>(name));
+    return out;
 }
 
 /// The closures of a volume; one whose sigma and emission are scaled differently becomes two.
 std::vector<VolumeClosure> volume_closures(nb::handle object) {
     std::vector<VolumeClosure> out;
     for (VolumeClosure& c : list<VolumeClosure>(object, "volume", volume_closure)) {
+        if (c.program) {
+            out.push_back(std::move(c));
+            continue;
+        }
         const bool emits = !is_zero(c.emission), extinguishes = !is_zero(c.sigma_s) || !is_zero(c.sigma_a);
         if (emits && extinguishes && !(c.density_grid.empty() && c.emission_grid.empty())) {
-            out.push_back({{}, {}, c.emission, c.g, {}, c.emission_grid});
+            out.push_back({{}, {}, c.emission, c.phase, {}, c.emission_grid, {}, {}});
             c.emission = {};
         }
         if (is_zero(c.emission)) {
@@ -171,6 +193,12 @@ Mesh mesh(nb::handle m) {
     return out;
 }
 
+std::array<float, 4> color(nb::handle object) {
+    const nb::object rgba = object.attr("color");
+    return {nb::cast<float>(rgba[0]), nb::cast<float>(rgba[1]), nb::cast<float>(rgba[2]),
+            nb::cast<float>(rgba[3])};
+}
+
 Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_count) {
     Instance out;
     out.name = text(i, "name");
@@ -192,9 +220,7 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
         out.materials.push_back(-1);
     out.visibility = value<std::uint32_t>(i, "visibility");
     out.random = value<float>(i, "random");
-    const nb::object color = i.attr("color");
-    for (std::size_t c = 0; c < 4; ++c)
-        out.color[c] = nb::cast<float>(color[c]);
+    out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
     return out;
 }
@@ -209,6 +235,18 @@ VolumeSource volume(nb::handle v, std::size_t material_count) {
         throw std::invalid_argument("its material does not exist");
     out.density_scale = value<float>(v, "density_scale");
     out.visibility = value<std::uint32_t>(v, "visibility");
+    using Precision = GridOptions::Precision;
+    out.options.precision = choice<Precision>(
+        v, "precision", {{"file", Precision::file}, {"half", Precision::half}, {"full", Precision::full}});
+    out.options.clipping = value<float>(v, "clipping");
+    for (nb::handle name : nb::borrow<nb::object>(v.attr("velocity_grids")))
+        out.velocity_grids.push_back(nb::cast<std::string>(name));
+    out.velocity_scale = value<float>(v, "velocity_scale");
+    out.generated_min = rgb(v, "generated_min");
+    out.generated_size = rgb(v, "generated_size");
+    out.random = value<float>(v, "random");
+    out.color = color(v);
+    out.pass_index = value<float>(v, "pass_index");
     return out;
 }
 
@@ -298,6 +336,9 @@ SceneSource scene_source_of(nb::handle scene) {
     out.world.background = program(world.attr("background"));
     out.world.volume = volume_closures(world);
     out.world.visibility = value<std::uint32_t>(world, "visibility");
+    const nb::object shutter = scene.attr("shutter");
+    out.shutter_open = nb::cast<float>(shutter[0]);
+    out.shutter_close = nb::cast<float>(shutter[1]);
     return out;
 }
 

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "phase/henyey_greenstein.h"
+#include "phase/phase_function.h"
 #include "tracking/delta.h"
 
 namespace nephele {
@@ -23,13 +23,13 @@ class PhaseMixture {
     /// Phase function value, RGB in 1/sr; pdf: of sample() to return wi.
     Rgb eval(Vec3f wo, Vec3f wi, float& pdf) const {
         if (shares_.size() == 1) {
-            pdf = HenyeyGreenstein{shares_[0].g}.eval(wo, wi);
+            pdf = shares_[0].phase.eval(wo, wi);
             return Rgb(pdf);
         }
         Rgb value;
         pdf = 0;
         for (const ScatterShare& s : shares_) {
-            const float f = HenyeyGreenstein{s.g}.eval(wo, wi);
+            const float f = s.phase.eval(wo, wi);
             value += fraction(s) * f;
             pdf += weight(s) / weight_sum_ * f;
         }
@@ -45,7 +45,7 @@ class PhaseMixture {
                     break;
             }
         }
-        return HenyeyGreenstein{shares_[i].g}.sample(wo, u);
+        return shares_[i].phase.sample(wo, u);
     }
 
   private:

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "integrators/integrator.h"
-#include "phase/henyey_greenstein.h"
+#include "phase/phase_function.h"
 
 namespace nephele {
 
@@ -14,7 +14,8 @@ namespace {
 
 struct Collision {
     enum class What { none, scattered, absorbed } what = What::none;
-    float t = 0, g = 0;
+    float t = 0;
+    PhaseFunction phase;
 };
 
 /// Density of a medium, by its true trilinear filter.
@@ -48,7 +49,8 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
         }
         const float next = majorant > 0 ? t + rng.next_exponential() / majorant : kInfinity;
         const float step = std::min(next, change) - t;
-        float sigma_t = 0, sigma_s = 0, g = 0;
+        float sigma_t = 0, sigma_s = 0;
+        PhaseFunction phase;
         for (const Interval& i : segment.intervals) {
             if (t < i.t0 || t >= i.t1)
                 continue;
@@ -64,16 +66,16 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
             const float s = d * i.medium->sigma_s[channel];
             sigma_s += s;
             if (s > 0 && rng.next() * sigma_s < s)
-                g = i.medium->g;
+                phase = i.medium->phase;
         }
         t = std::min(next, change);
         if (next >= change)
             continue;
         const float u = rng.next() * majorant;
         if (u < sigma_s)
-            return {Collision::What::scattered, t, g};
+            return {Collision::What::scattered, t, phase};
         if (u < sigma_t)
-            return {Collision::What::absorbed, t, 0};
+            return {Collision::What::absorbed, t, {}};
     }
     return {};
 }
@@ -120,7 +122,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces)
                 break;
             ++volume_bounces;
-            ray = {ray.at(collision.t), HenyeyGreenstein{collision.g}.sample(-ray.d, rng.next2())};
+            ray = {ray.at(collision.t), collision.phase.sample(-ray.d, rng.next2())};
             kind = kVolumeRay;
             continue;
         }

@@ -11,8 +11,9 @@
 
 #include "base/medium.h"
 #include "math/transform.h"
-#include "media/brick_grid.h"
-#include "media/majorant_grid.h"
+#include "grids/brick_grid.h"
+#include "grids/majorant_grid.h"
+#include "phase/phase_function.h"
 
 namespace nephele {
 
@@ -23,13 +24,12 @@ struct DensityField {
     Transform index_from_world;
 };
 
-/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). g: Henyey-Greenstein mean cosine. The field
-/// scales sigma_s and sigma_t, or emission alone.
+/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). The field scales sigma_s and sigma_t, or emission alone.
 struct Medium {
     std::string name;
     std::uint32_t region = 0;  ///< index of the region it fills, see Region
     Rgb sigma_s, sigma_t, emission;
-    float g = 0;
+    PhaseFunction phase;
     std::optional<DensityField> density;  ///< none: 1 everywhere
     bool density_scales_emission = false;
 

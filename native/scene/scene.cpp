@@ -34,14 +34,14 @@ void check_mesh(const Mesh& mesh) {
         throw std::invalid_argument("an array does not have one entry per triangle corner");
 }
 
-/// One medium per closure; closures of the same field and g are one medium.
+/// One medium per closure; closures of the same field and phase function are one medium.
 void merge_closures(std::vector<Medium>& media, std::size_t first, Medium medium) {
     for (std::size_t i = first; i < media.size(); ++i) {
         Medium& m = media[i];
         const bool same_field = m.density.has_value() == medium.density.has_value() &&
                                 m.density_scales_emission == medium.density_scales_emission &&
                                 (!m.density || m.density->grid == medium.density->grid);
-        if (!same_field || m.g != medium.g)
+        if (!same_field || !(m.phase == medium.phase))
             continue;
         m.sigma_s += medium.sigma_s;
         m.sigma_t += medium.sigma_t;
@@ -57,7 +57,7 @@ void check_closure(const VolumeClosure& c) {
             throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
         }
     }
-    if (!(std::fabs(c.g) < 1))
+    if (c.phase.kind == PhaseKind::henyey_greenstein && !(std::fabs(c.phase.a) < 1))
         throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
 }
 
@@ -95,7 +95,7 @@ void Scene::add_region(Region region, const std::vector<VolumeClosure>& closures
                       c.sigma_s * scale,
                       (c.sigma_s + c.sigma_a) * scale,
                       c.emission * scale,
-                      c.g,
+                      c.phase,
                       c.grid().empty() ? std::nullopt : field,
                       !c.emission_grid.empty()};
         if (medium.interacts() || !is_zero(medium.emission))

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "grids/vdb_file.h"
 #include "lights/light_set.h"
 #include "media/medium.h"
 #include "media/segment.h"
@@ -22,9 +23,11 @@ namespace nephele {
 /// One volume shader, as description.VolumeClosure has it.
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
-    float g = 0;
+    PhaseFunction phase;
     std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
     std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+    std::optional<Program> program;  ///< run at each point in place of all the above
+    std::vector<std::string> grids;  ///< that the program reads, by number
 
     const std::string& grid() const { return density_grid.empty() ? emission_grid : density_grid; }
 };
@@ -42,6 +45,12 @@ struct VolumeSource {
     std::uint32_t material = 0;
     float density_scale = 1;
     std::uint32_t visibility = ~0u;
+    GridOptions options;
+    std::vector<std::string> velocity_grids;  ///< one of vectors or three of numbers; empty: no motion blur
+    float velocity_scale = 0;                 ///< m of the file's space per frame that a value of 1 stands for
+    Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
+    float random = 0, pass_index = 0;
+    std::array<float, 4> color{1, 1, 1, 1};
 };
 
 struct WorldSource {
@@ -59,6 +68,7 @@ struct SceneSource {
     std::vector<Image> images;
     std::vector<LampDescription> lamps;
     WorldSource world;
+    float shutter_open = 0, shutter_close = 0;  ///< frames from this one
 };
 
 /// What a scene holds, decided once: the integrator is specialised by it.

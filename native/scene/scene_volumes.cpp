@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "media/vdb_file.h"
+#include "grids/vdb_file.h"
 #include "scene/naming.h"
 #include "scene/scene.h"
 

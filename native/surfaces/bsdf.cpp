@@ -200,6 +200,8 @@ void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& register
             return;
         case ClosureKind::principled:
             return add_principled(bsdf, row, registers, point);
+        case ClosureKind::medium:
+            return;  // of volumes: see media/program_medium.h
     }
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/surface.h"
 #include "surfaces/lobes.h"
-#include "surfaces/program.h"
+#include "shading/program.h"
 
 namespace nephele {
 

@@ -15,7 +15,7 @@ namespace nephele {
 /// The part of sigma_s at a scattering point that one medium contributes.
 struct ScatterShare {
     Rgb sigma_s;
-    float g;
+    PhaseFunction phase;
 };
 
 struct Flight {
@@ -56,7 +56,7 @@ inline Coefficients coefficients_at(TrackingScratch& scratch, const Ray& ray, fl
             continue;
         sum.sigma_s += m.sigma_s * density;
         sum.sigma_t += m.sigma_t * density;
-        scratch.shares.push_back({m.sigma_s * density, m.g});
+        scratch.shares.push_back({m.sigma_s * density, m.phase});
     }
     return sum;
 }

@@ -66,7 +66,7 @@ def test_principled(tree):
     (closure,) = tree.compile(node)
     assert closure.sigma_s == pytest.approx((0.4, 1.0, 2.0))
     assert closure.sigma_a == pytest.approx((0.8 * 0.5 * 2, 0.5 * 2, 0.0))
-    assert (closure.g, closure.density_grid) == (pytest.approx(0.3), "density")
+    assert (closure.phase.a, closure.density_grid) == (pytest.approx(0.3), "density")
     assert tree.context.warnings == []
 
 
@@ -108,7 +108,7 @@ def test_scatter_and_absorption(tree):
     first, second = tree.compile(add)
     assert (first.sigma_s, first.sigma_a) == (pytest.approx((1, 2, 3)), (0, 0, 0))
     assert (second.sigma_s, second.sigma_a) == ((0, 0, 0), pytest.approx((9, 8, 7)))
-    assert first.g == pytest.approx(-0.4)
+    assert first.phase.a == pytest.approx(-0.4)
 
 
 def test_mix_weighs_everything(tree):
@@ -130,7 +130,7 @@ def test_coefficients(tree):
         Emission_Coefficients=(7, 8, 9), Anisotropy=0.5,
     )  # fmt: skip
     medium, emission = tree.compile(node)
-    assert (medium.sigma_s, medium.sigma_a, medium.g) == ((1, 2, 3), (4, 5, 6), 0.5)
+    assert (medium.sigma_s, medium.sigma_a, medium.phase.a) == ((1, 2, 3), (4, 5, 6), 0.5)
     assert emission.emission == (7, 8, 9)
 
 
@@ -200,7 +200,7 @@ def test_other_phase_functions_warn(tree):
     node = tree.node("VolumeScatter")
     node.phase = "RAYLEIGH"
     (closure,) = tree.compile(node)
-    assert closure.g == 0.0
+    assert closure.phase.a == 0.0
     assert any("phase function Rayleigh" in text for text in tree.context.warnings)
 
 

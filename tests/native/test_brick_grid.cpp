@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Brick grids against dense arrays: values, constants, bounds, interpolation, limits.
-#include "media/brick_grid.h"
+#include "grids/brick_grid.h"
 
 #include <Imath/half.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Majorant grids: bounds against brute force, and walks of rays against the grid they bound.
-#include "media/majorant_grid.h"
+#include "grids/majorant_grid.h"
 
 #include <Imath/half.h>
 #include <gtest/gtest.h>

@@ -82,7 +82,7 @@ TEST(PhaseMixture, SamplesFollowItsDensityAndItsValueIsTheShareWeightedSum) {
         for (int c = 0; c < 3; ++c) {
             double sum = 0, total = 0;
             for (const ScatterShare& s : shares) {
-                sum += double{s.sigma_s[c]} * double{HenyeyGreenstein{s.g}.eval(wo, wi)};
+                sum += double{s.sigma_s[c]} * double{s.phase.eval(wo, wi)};
                 total += double{s.sigma_s[c]};
             }
             EXPECT_NEAR(value[c], sum / total, 1e-6);

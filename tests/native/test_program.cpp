@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every operation of shading programs against values worked out by hand.
-#include "surfaces/program.h"
+#include "shading/program.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "surface_fixtures.h"
-#include "surfaces/program.h"
+#include "shading/program.h"
 
 namespace nephele {
 namespace {

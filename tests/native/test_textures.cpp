@@ -7,10 +7,10 @@
 
 #include "math/sampler.h"
 #include "math/warp.h"
-#include "surfaces/color_math.h"
-#include "surfaces/image.h"
-#include "surfaces/noise.h"
-#include "surfaces/textures.h"
+#include "shading/color_math.h"
+#include "shading/image.h"
+#include "shading/noise.h"
+#include "shading/textures.h"
 
 namespace nephele {
 namespace {

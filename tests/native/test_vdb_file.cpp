@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reading of OpenVDB files: files are written with OpenVDB itself, read back, and damaged in every way we
 // know.
-#include "media/vdb_file.h"
+#include "grids/vdb_file.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "math/sampler.h"
-#include "media/vdb_file.h"
+#include "grids/vdb_file.h"
 
 namespace nephele {
 

@@ -39,7 +39,7 @@ SIGMA_S = {"grey": (3.0, 3.0, 3.0), "chromatic": (1.0, 3.0, 8.0)}
 
 
 def medium(sigma_s, g, **more):
-    return d.VolumeClosure(tuple(np.broadcast_to(sigma_s, 3)), g=g, **more)
+    return d.VolumeClosure(tuple(np.broadcast_to(sigma_s, 3)), phase=d.Phase(a=g), **more)
 
 
 def check(scene, expected=1.0, samples=256, most=0.004, **settings):

@@ -23,7 +23,7 @@ UP, DOWN = half_world(1.0), half_world(0.0, 1.0)
 def closure(albedos, g=0.0, **more):
     """Returns a medium of extinction 1/m and these albedos by channel."""
     a = np.array(albedos, float)
-    return d.VolumeClosure(tuple(a), tuple(1 - a), g=g, **more)
+    return d.VolumeClosure(tuple(a), tuple(1 - a), phase=d.Phase(a=g), **more)
 
 
 def camera(b, mu, below=False, azimuth=0.6):

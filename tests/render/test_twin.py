@@ -40,7 +40,7 @@ SKIES_AND_SUN = half_world((0.2, 0.3, 0.5), 0.05)
 
 def medium(sigma_s, sigma_a=0.0, g=0.0, **more):
     three = [tuple(np.broadcast_to(np.asarray(v, float), 3).tolist()) for v in (sigma_s, sigma_a)]
-    return d.VolumeClosure(*three, g=g, **more)
+    return d.VolumeClosure(*three, phase=d.Phase(a=g), **more)
 
 
 def area_lamp(position, target, power, size=(1.0, 1.0), **more):

@@ -7,7 +7,7 @@
 //     + 1.5 s^2 * kStepCost                    (steps of the walk)
 // and eight sub-cubes become one where that costs no more than the best of the eight. With minorants, M is
 // the majorant less the minorant, for what lies below a minorant needs no lookup.
-#include "media/majorant_grid.h"
+#include "grids/majorant_grid.h"
 
 #include <algorithm>
 

@@ -13,7 +13,7 @@
 #include "base/surface.h"
 #include "math/transform.h"
 #include "opcodes_table.h"
-#include "surfaces/image.h"
+#include "shading/image.h"
 
 namespace nephele {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Texel access and bilinear filtering. Bytes become linear before they are filtered.
-#include "surfaces/image.h"
+#include "shading/image.h"
 
 #include <array>
 

@@ -21,7 +21,7 @@
 #include <openvdb/io/Compression.h>
 #include <openvdb/openvdb.h>
 
-#include "media/brick_grid.h"
+#include "grids/brick_grid.h"
 
 namespace nephele {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/surface.h"
-#include "surfaces/program.h"
+#include "shading/program.h"
 
 namespace nephele {
 

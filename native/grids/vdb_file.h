@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "media/brick_grid.h"
+#include "grids/brick_grid.h"
 
 namespace nephele {
 
@@ -19,6 +19,12 @@ struct LoadedGrid {
     std::array<double, 16> index_from_world{};
     std::array<double, 16> world_from_index{};
     std::vector<std::string> warnings;
+};
+
+/// How grids are read.
+struct GridOptions {
+    enum class Precision { file, half, full } precision = Precision::file;  ///< of the voxels kept
+    float clipping = 0;  ///< smaller values count as 0
 };
 
 /// What a file tells of a grid without its voxels.

@@ -20,7 +20,7 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 
-#include "media/vdb_tree.h"
+#include "grids/vdb_tree.h"
 
 namespace nephele {
 

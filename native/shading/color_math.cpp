@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surfaces/color_math.h"
+#include "shading/color_math.h"
 
 #include <array>
 

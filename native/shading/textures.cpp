@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surfaces/textures.h"
+#include "shading/textures.h"
 
 namespace nephele {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Building of BrickGrids. Nothing here is on the hot path.
-#include "media/brick_grid.h"
+#include "grids/brick_grid.h"
 
 #include <algorithm>
 #include <bit>

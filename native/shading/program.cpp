@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter of shading programs. addon/opcodes.py states each operation; where it says "each channel by
 // itself" the operation is a function of floats below.
-#include "surfaces/program.h"
+#include "shading/program.h"
 
+#include "grids/volume_fields.h"
 #include "math/warp.h"
-#include "surfaces/color_math.h"
-#include "surfaces/noise.h"
-#include "surfaces/shading_inputs.h"
-#include "surfaces/textures.h"
+#include "shading/color_math.h"
+#include "shading/noise.h"
+#include "shading/shading_inputs.h"
+#include "shading/textures.h"
 
 namespace nephele {
 namespace {
@@ -153,6 +154,8 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
             return checker_is_odd(a * d.x) ? b : c;
         case Op::checker_fac:
             return Vec3f(one_if(checker_is_odd(a * d.x)));
+        case Op::grid:
+            return step.point.volume ? step.point.volume->value(mode, a) : Vec3f(0);
         case Op::noise:
             return noise(step, a, b, c, d);
         case Op::gradient:

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "surfaces/program.h"
+#include "shading/program.h"
 
 namespace nephele {
 namespace {
@@ -27,7 +27,8 @@ long long largest_mode(Op op) {
         case Op::attribute:
         case Op::attribute_alpha:
         case Op::normal_map:
-            return 0xffff;  // a number of the mesh's; absent ones read as 0
+        case Op::grid:
+            return 0xffff;  // a number of the mesh's or the volume's; absent ones read as 0
         case Op::ray_is:
             return (1 << kRayKindCount) - 1;
         case Op::image:
@@ -132,7 +133,11 @@ void check_closure(const Program& program, std::size_t index) {
     where += std::string(" (") + kClosureNames[kind] + ")";
     const auto last = static_cast<long long>(program.registers.size()) - 1;
     check_range(where, "the weight's register", row.weight, 0, last);
-    check_range(where, "the distribution", row.mode, 0, kDistributionCount - 1);
+    if (row.kind == ClosureKind::medium) {
+        check_range(where, "the phase function", row.mode, 0, kPhaseKindCount - 1);
+    } else {
+        check_range(where, "the distribution", row.mode, 0, kDistributionCount - 1);
+    }
     for (int k = 0; k < kClosureInputCounts[kind]; ++k) {
         const int low = is_normal(row.kind, k) ? -1 : 0;
         check_range(where, "an input's register", row.inputs[static_cast<std::size_t>(k)], low, last);
@@ -145,6 +150,7 @@ int lobe_count(ClosureKind kind) {
     switch (kind) {
         case ClosureKind::transparent:
         case ClosureKind::emission:
+        case ClosureKind::medium:
             return 0;
         case ClosureKind::principled:
             return kPrincipledLobes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surfaces/noise.h"
+#include "shading/noise.h"
 
 #include <bit>
 

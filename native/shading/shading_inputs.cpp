@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surfaces/shading_inputs.h"
+#include "shading/shading_inputs.h"
 
 #include "scene/mesh.h"
 #include "surfaces/fresnel.h"

@@ -20,7 +20,7 @@
 
 #include "base/medium.h"
 #include "math/vec.h"
-#include "media/brick_grid.h"
+#include "grids/brick_grid.h"
 
 namespace nephele {
 

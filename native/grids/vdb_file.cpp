@@ -7,7 +7,7 @@
 #define NDEBUG
 #endif
 
-#include "media/vdb_file.h"
+#include "grids/vdb_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@
 #include <openvdb/math/Transform.h>
 #include <openvdb/openvdb.h>
 
-#include "media/vdb_archive.h"
-#include "media/vdb_tree.h"
+#include "grids/vdb_archive.h"
+#include "grids/vdb_tree.h"
 
 namespace nephele {
 
