@@ -81,7 +81,7 @@ inline SceneSource fog_in(Mesh mesh, Vec3f scale = Vec3f(1)) {
     source.instances.front().materials = {0};
     Material fog;
     fog.name = "fog";
-    fog.volume.push_back({Rgb(1), Rgb(0), Rgb(0), 0, "", ""});
+    fog.volume.emplace_back().sigma_s = Rgb(1);
     source.materials.push_back(fog);
     return source;
 }

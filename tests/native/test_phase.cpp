@@ -57,8 +57,9 @@ TEST(HenyeyGreenstein, ValuesAreTheFormulaAndForwardMeansOnwards) {
 }
 
 TEST(PhaseMixture, SamplesFollowItsDensityAndItsValueIsTheShareWeightedSum) {
+    const auto hg = [](float g) { return PhaseFunction{PhaseKind::henyey_greenstein, g, 0}; };
     const std::vector<ScatterShare> shares{
-        {{1, 0, 2}, 0.8f}, {{0.5f, 1, 0}, -0.6f}, {{0, 0, 0}, 0.1f}, {{1, 1, 1}, 0.0f}};
+        {{1, 0, 2}, hg(0.8f)}, {{0.5f, 1, 0}, hg(-0.6f)}, {{0, 0, 0}, hg(0.1f)}, {{1, 1, 1}, hg(0)}};
     for (const Rgb beta : {Rgb(1), Rgb(1, 0, 0), Rgb(0.1f, 2, 0.3f)}) {
         const PhaseMixture phase(shares, beta);
         const Vec3f wo = kDirections[2];
