@@ -42,8 +42,14 @@ inline constexpr double kSigmas = 5.5;
 /// Density at a voxel.
 using Voxels = std::function<float(int, int, int)>;
 
+/// A density on a grid, with its bounds.
+struct Field {
+    std::shared_ptr<const BrickGrid> grid;
+    std::shared_ptr<const MediumBounds> bounds;
+};
+
 /// A field of n^3 voxels from the origin of index space, which is also the world's.
-inline DensityField field_of(int n, const Voxels& voxels) {
+inline Field field_of(int n, const Voxels& voxels) {
     std::vector<float> values;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
@@ -51,9 +57,9 @@ inline DensityField field_of(int n, const Voxels& voxels) {
                 values.push_back(voxels(i, j, k));
         }
     }
-    DensityField field;
+    Field field;
     field.grid = brick_grid_of_dense({0, 0, 0}, {n, n, n}, values.data(), 0, VoxelType::single_float);
-    field.majorants = std::make_shared<MajorantGrid>(*field.grid, 1.0f);
+    field.bounds = std::make_shared<MediumBounds>(MediumBounds{MajorantGrid(*field.grid, 1.0f, true), {}});
     return field;
 }
 
@@ -64,12 +70,12 @@ struct Line {
 
     explicit Line(Ray ray) { segment.ray = ray; }
 
-    Medium& add(Rgb sigma_s, Rgb sigma_a, float t0, float t1,
-                std::optional<DensityField> field = std::nullopt) {
+    Medium& add(Rgb sigma_s, Rgb sigma_a, float t0, float t1, const Field& field = {}) {
         Medium m;
         m.sigma_s = sigma_s;
         m.sigma_t = sigma_s + sigma_a;
-        m.density = std::move(field);
+        m.grid = field.grid;
+        m.bounds = field.bounds;
         media.push_back(std::move(m));
         segment.intervals.push_back({&media.back(), t0, t1});
         return media.back();
@@ -87,7 +93,7 @@ struct Line {
             const Medium& m = *i.medium;
             const Vec3f p = segment.ray.at(static_cast<float>(t));
             const double density =
-                m.density ? double{m.density->grid->trilinear(m.density->index_from_world.point(p))} : 1;
+                m.grid ? double{m.grid->trilinear(m.bounds->index_from_world.point(p))} : 1;
             for (int c = 0; c < 3; ++c) {
                 out.sigma_t[c] += density * double{m.sigma_t[c]};
                 out.sigma_s[c] += density * double{m.sigma_s[c]};
