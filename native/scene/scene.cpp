@@ -57,8 +57,6 @@ void check_closure(const VolumeClosure& c) {
             throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
         }
     }
-    if (c.phase.kind == PhaseKind::henyey_greenstein && !(std::fabs(c.phase.a) < 1))
-        throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
 }
 
 }  // namespace
