@@ -12,14 +12,15 @@ import numpy as np
 from .. import description
 from .context import ExportError
 from .space import matrix4, scaling, translation
+from .volume_grids import domain_grids, volume_grids
 
 
 def export_volume(context, instance, source, material, visibility):
     """Returns the description.Volume of an instance of a Volume object, or None for one that is empty at this
     frame.
 
-    source: the object that owns the data, or None for data made by Geometry Nodes. Raises ExportError where
-    its file cannot be read.
+    source: the object that owns the data, or None for data made by Geometry Nodes. material: Blender's.
+    Raises ExportError where its file cannot be read.
     """
     name, data = instance.object.name, instance.object.data
     if data.is_sequence and _outside_sequence(data, context.scene.frame_current):
@@ -41,7 +42,7 @@ def export_volume(context, instance, source, material, visibility):
         name=name,
         path=path,
         world_from_object=world_from_object,
-        material=material,
+        material=context.material_number(material, volume_grids(data))[0],
         density_scale=density_scale(data.render.space, world_from_object),
         visibility=visibility,
     )
@@ -92,7 +93,7 @@ def fluid_domain(item):
 
 def export_fluid(context, instance, settings, material, visibility):
     """Returns the description.Volume of a gas domain at this frame; None, with a warning, where its cache has
-    no file."""
+    no file. material: Blender's."""
     item, frame = instance.object, _cache_frame(settings, context.scene.frame_current)
     path = Path(bpy.path.abspath(settings.cache_directory), "data", f"fluid_data_{frame:04d}.vdb")
     if not path.is_file():
@@ -114,7 +115,7 @@ def export_fluid(context, instance, settings, material, visibility):
         name=item.name,
         path=str(path.resolve()),
         world_from_object=matrix4(instance.matrix_world) @ object_from_cache(item, settings.resolution_max),
-        material=material,
+        material=context.material_number(material, domain_grids(settings))[0],
         visibility=visibility,
     )
 

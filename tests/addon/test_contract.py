@@ -79,6 +79,7 @@ def test_operations_not_folded_need_the_shading_point_or_data():
         "environment_mirror_ball",
         "checker",
         "checker_fac",
+        "grid",
         "noise",
     }
     shading = {"gradient", "fresnel", "layer_weight", "normal_map"}
