@@ -37,7 +37,14 @@ const ClosureRow& medium_row(const Program& program) {
 
 }  // namespace
 
-ProgramMedium::ProgramMedium(const Program& program, VolumeFields fields, float scale,
+template <class Registers>
+PhaseFunction ProgramMedium::phase_of(const Registers& registers) const {
+    const auto parameter = [&](int input) { return registers[row_.inputs[static_cast<std::size_t>(input)]].x; };
+    return make_phase(static_cast<PhaseKind>(row_.mode), parameter(medium_input::phase_a),
+                      parameter(medium_input::phase_b));
+}
+
+ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields, float scale,
                              const ShadingPoint& place, const TextureContext& textures,
                              std::span<const ImageBounds> images)
     : row_(medium_row(program)),
@@ -54,6 +61,15 @@ ProgramMedium::ProgramMedium(const Program& program, VolumeFields fields, float 
     extinction_ = without_unused(program, extinction);
     emission_ = without_unused(program, emission);
     place_.volume = &fields_;
+    const auto constant = [&](std::int16_t r) {
+        return std::none_of(extinction_.code.begin(), extinction_.code.end(),
+                            [&](const Instruction& i) { return i.dst == r; });
+    };
+    if (phase) {
+        phase_ = *phase;
+    } else if (constant(input(phase_a)) && constant(input(phase_b))) {
+        phase_ = phase_of(extinction_.registers.data());
+    }
     const MediumRange everywhere = range(Vec3f(-kInfinity), Vec3f(kInfinity));
     interacts_ = everywhere.sigma_t_max > 0;
     emits_ = everywhere.emission_max > 0;
@@ -77,12 +93,8 @@ Rgb ProgramMedium::coefficient(const RegisterFile& registers, int input) const {
 MediumPoint ProgramMedium::coefficients(const VolumePoint& at) const {
     const RegisterFile registers(extinction_, shading_point(at), textures_);
     const Rgb sigma_s = coefficient(registers, medium_input::sigma_s);
-    const auto parameter = [&](int input) {
-        return finite(registers[row_.inputs[static_cast<std::size_t>(input)]]).x;
-    };
     return {sigma_s, sigma_s + coefficient(registers, medium_input::sigma_a),
-            PhaseFunction{static_cast<PhaseKind>(row_.mode), parameter(medium_input::phase_a),
-                          parameter(medium_input::phase_b)}};
+            phase_ ? *phase_ : phase_of(registers)};
 }
 
 Rgb ProgramMedium::emission(const VolumePoint& at) const {

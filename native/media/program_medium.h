@@ -2,6 +2,9 @@
 // A medium whose coefficients a node program computes at each point.
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "grids/volume_fields.h"
 #include "phase/phase_function.h"
 #include "shading/program.h"
@@ -29,10 +32,10 @@ struct MediumRange {
 
 class ProgramMedium {
   public:
-    /// program: validated, with one closure "medium". scale: multiplies sigma and emission. place: instance and
+    /// program: validated, with one closure "medium". phase: null where the program says it. scale: multiplies sigma and emission. place: instance and
     /// mesh that the program asks of, null for the world; they, the images and their bounds must outlive this. Throws
     /// std::invalid_argument where the program has other closures.
-    ProgramMedium(const Program& program, VolumeFields fields, float scale, const ShadingPoint& place,
+    ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields, float scale, const ShadingPoint& place,
                   const TextureContext& textures, std::span<const ImageBounds> images);
 
     MediumPoint coefficients(const VolumePoint& at) const;
@@ -47,10 +50,13 @@ class ProgramMedium {
 
   private:
     ShadingPoint shading_point(const VolumePoint& at) const;
+    template <class Registers>
+    PhaseFunction phase_of(const Registers& registers) const;
     Rgb coefficient(const RegisterFile& registers, int input) const;
 
     Program extinction_, emission_;  // each without what the other alone needs
     ClosureRow row_;
+    std::optional<PhaseFunction> phase_;  ///< where it is the same everywhere
     VolumeFields fields_;
     ShadingPoint place_;
     TextureContext textures_;

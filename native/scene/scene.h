@@ -29,6 +29,7 @@ struct VolumeClosure {
     std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
+    bool program_has_phase = true;   ///< else `phase` stands
 
     const std::string& grid() const { return density_grid.empty() ? emission_grid : density_grid; }
 };

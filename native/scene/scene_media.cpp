@@ -15,8 +15,6 @@ void check_closure(const VolumeClosure& c) {
             throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
         }
     }
-    if (c.phase.kind == PhaseKind::henyey_greenstein && !(std::fabs(c.phase.a) < 1))
-        throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
 }
 
 /// Media that vary alike and scatter alike are one.
@@ -52,7 +50,7 @@ Medium Scene::program_medium(const VolumeClosure& c, float scale, VolumeFields f
     validate(*c.program, source_.images.size());
     Medium medium;
     medium.program =
-        std::make_shared<ProgramMedium>(*c.program, std::move(fields), scale, place, textures_, image_bounds());
+        std::make_shared<ProgramMedium>(*c.program, c.program_has_phase ? nullptr : &c.phase, std::move(fields), scale, place, textures_, image_bounds());
     if (medium.program->interacts() || medium.program->emits())
         medium.bounds = bounds_of_program(*medium.program, frame, bounds_options());
     return medium;

@@ -27,23 +27,24 @@ bool direct(const VolumeClosure& c, const std::string& grid) {
 VolumeClosure as_program(const VolumeClosure& c) {
     VolumeClosure out;
     Program program;
-    program.registers = {c.sigma_s, c.sigma_a, c.emission, Vec3f(1), Vec3f(c.phase.a), Vec3f(c.phase.b), {}, {}};
+    program.registers = {c.sigma_s, c.sigma_a, c.emission, Vec3f(1), {}, {}};
     if (!c.grid().empty()) {
         const auto op = [](Op o) { return static_cast<std::int32_t>(o); };
-        program.code.push_back({op(Op::position), 6});
-        program.code.push_back({op(Op::grid), 7, 6});
+        program.code.push_back({op(Op::position), 4});
+        program.code.push_back({op(Op::grid), 5, 4});
         const bool emits = c.density_grid.empty();
         for (const std::int32_t r : emits ? std::vector<std::int32_t>{2} : std::vector<std::int32_t>{0, 1})
-            program.code.push_back({op(Op::multiply), r, r, 7});
+            program.code.push_back({op(Op::multiply), r, r, 5});
         out.grids = {c.grid()};
     }
     ClosureRow row;
     row.kind = ClosureKind::medium;
     row.weight = 3;
-    row.mode = static_cast<std::int16_t>(c.phase.kind);
-    row.inputs = {0, 1, 2, 4, 5};
+    row.inputs = {0, 1, 2, 3, 3};
     program.closures = {row};
     out.program = std::move(program);
+    out.phase = c.phase;
+    out.program_has_phase = false;
     return out;
 }
 

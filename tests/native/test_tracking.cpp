@@ -244,7 +244,7 @@ TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
     constexpr int kFlights = 40000;
     float number = 0;
     for (Medium& m : line.media)
-        m.phase.a = number++;
+        m.phase.p0 = number++;
     std::vector<std::array<Mean, 3>> by_medium(line.media.size());
     TrackingScratch scratch;
     Counters counters;
@@ -258,7 +258,7 @@ TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
             for (const ScatterShare& share : scratch.shares)
                 total += share.sigma_s;
             for (const ScatterShare& share : scratch.shares)
-                scattered[static_cast<std::size_t>(share.phase.a)] +=
+                scattered[static_cast<std::size_t>(share.phase.p0)] +=
                     beta * share.sigma_s / max(total, Rgb(1e-30f));
         }
         for (std::size_t m = 0; m < scattered.size(); ++m) {
