@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Free flights and transmittance estimators side by side: variance times cost in thin, thick, sparse and spiky
-// media, as markdown tables.
+// Free flights and transmittance estimators side by side: variance times cost in thin, thick, sparse and
+// spiky media, as markdown tables.
 //
 //     trackers [FILE.vdb GRID OPTICAL_THICKNESS]...
 //
-// Rays join random points of opposite faces of the medium's box. Each is estimated many times by every method; variance is that of
-// one estimate on one ray, averaged over rays and channels, cost the processor time of this thread. What counts
-// is their product, here relative to the first method's: less is better. A method's mean is checked against all
-// methods' on the way.
+// Rays join random points of opposite faces of the medium's box. Each is estimated many times by every
+// method; variance is that of one estimate on one ray, averaged over rays and channels, cost the processor
+// time of this thread. What counts is their product, here relative to the first method's: less is better. A
+// method's mean is checked against all methods' on the way.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -39,14 +39,15 @@ struct TestMedium {
 
 constexpr int kSize = 96;
 
-TestMedium procedural(const char* name, Rgb sigma_s, Rgb sigma_a, const std::function<float(Vec3f)>& density) {
+TestMedium procedural(const char* name, Rgb sigma_s, Rgb sigma_a,
+                      const std::function<float(Vec3f)>& density) {
     std::vector<float> values;
     for (int x = 0; x < kSize; ++x) {
         for (int y = 0; y < kSize; ++y) {
             for (int z = 0; z < kSize; ++z)
-                values.push_back(density(Vec3f(static_cast<float>(x), static_cast<float>(y),
-                                               static_cast<float>(z)) *
-                                         (1.0f / kSize)));
+                values.push_back(
+                    density(Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)) *
+                            (1.0f / kSize)));
         }
     }
     return {name, brick_grid_of_dense({0, 0, 0}, {kSize, kSize, kSize}, values.data()), sigma_s, sigma_a};
@@ -86,8 +87,8 @@ std::vector<TestMedium> procedural_media() {
             procedural("spiky (tau 30)", grey(30), Rgb(0), spiky),
             procedural("haze (tau 3)", grey(3), Rgb(0), haze),
             procedural("chromatic (tau 10, 3, 1)", unlike * grey(10), Rgb(0), cloud),
-            procedural("chromatic haze (tau 3, 1, .3), albedo .5", unlike * grey(1.5f),
-                       unlike * grey(1.5f), haze)};
+            procedural("chromatic haze (tau 3, 1, .3), albedo .5", unlike * grey(1.5f), unlike * grey(1.5f),
+                       haze)};
 }
 
 TestMedium file_medium(const char* path, const char* grid, float tau) {
@@ -166,8 +167,10 @@ Figures measure(const Method& method, const Medium& medium, const std::vector<Ra
     return out;
 }
 
-void print_table(const char* title, const std::vector<Method>& methods, const std::vector<TestMedium>& media) {
-    std::printf("\n| %s | method | lookups | ns | variance | variance x time |\n|---|---|---|---|---|---|\n", title);
+void print_table(const char* title, const std::vector<Method>& methods,
+                 const std::vector<TestMedium>& media) {
+    std::printf("\n| %s | method | lookups | ns | variance | variance x time |\n|---|---|---|---|---|---|\n",
+                title);
     for (const TestMedium& test : media) {
         const CellBounds cells = CellBounds::of_grid(*test.grid, Filter::trilinear);
         Medium medium;
@@ -188,8 +191,8 @@ void print_table(const char* title, const std::vector<Method>& methods, const st
                 }
                 const bool off = std::fabs(f.mean - mean) > 6 * f.error + 1e-6;
                 std::printf("| %s, %s | %s | %.1f | %.0f | %.3g | %.2f%s |\n", test.name.c_str(),
-                            accelerator == Accelerator::grid ? "grid" : "kd-tree", method.name.c_str(), f.lookups,
-                            f.nanoseconds, f.variance, first > 0 ? product / first : 1,
+                            accelerator == Accelerator::grid ? "grid" : "kd-tree", method.name.c_str(),
+                            f.lookups, f.nanoseconds, f.variance, first > 0 ? product / first : 1,
                             off ? " (MEAN DIFFERS)" : "");
                 std::fflush(stdout);
             }

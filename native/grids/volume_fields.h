@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The grids that a volume's program reads, placed in the world: numbers or vectors by number, at rest or carried
-// along by a velocity.
+// The grids that a volume's program reads, placed in the world: numbers or vectors by number, at rest or
+// carried along by a velocity.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ struct VolumeField {
     std::array<Bounds, 3> range(Vec3f lo_world, Vec3f hi_world) const;
 };
 
-/// What carries the fields of a volume along (motion blur): at a time, a point shows what would get there from
-/// where it was, one step of the velocity back.
+/// What carries the fields of a volume along (motion blur): at a time, a point shows what would get there
+/// from where it was, one step of the velocity back.
 struct VolumeMotion {
     std::vector<VolumeField> velocity;  ///< one of vectors, or three of numbers
     Transform world_from_velocity;      ///< vectors only: of a value of 1 each frame, m
@@ -58,10 +58,12 @@ struct VolumeMotion {
 class VolumeFields {
   public:
     VolumeFields() = default;
-    explicit VolumeFields(std::vector<VolumeField> fields, std::shared_ptr<const VolumeMotion> motion = nullptr)
+    explicit VolumeFields(std::vector<VolumeField> fields,
+                          std::shared_ptr<const VolumeMotion> motion = nullptr)
         : fields_(std::move(fields)), motion_(std::move(motion)) {}
 
-    /// Value of field `number` at a point of the world and a time of the shutter; 0 where the volume lacks it.
+    /// Value of field `number` at a point of the world and a time of the shutter; 0 where the volume lacks
+    /// it.
     Vec3f value(std::int32_t number, Vec3f p_world, float time) const {
         const auto i = static_cast<std::size_t>(number);
         if (i >= fields_.size() || !fields_[i].components[0])

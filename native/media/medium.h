@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A medium: coefficients, constant or scaled by the density of one grid or computed by a program, that fill one
-// region of space. Regions may overlap each other in any number; at a point the coefficients of all media there add up.
+// A medium: coefficients, constant or scaled by the density of one grid or computed by a program, that fill
+// one region of space. Regions may overlap each other in any number; at a point the coefficients of all media
+// there add up.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ struct Medium {
     std::shared_ptr<const ProgramMedium> program;  ///< computes all coefficients
     std::shared_ptr<const MediumBounds> bounds;    ///< of what varies; none where nothing does
     Filter filter = Filter::trilinear;
-    bool density_scales_emission = false;          ///< the grid scales emission alone, not sigma_s and sigma_t
+    bool density_scales_emission = false;  ///< the grid scales emission alone, not sigma_s and sigma_t
 
     float sigma_t_max() const { return max_component(sigma_t); }
     bool interacts() const { return program ? program->interacts() : sigma_t_max() > 0; }

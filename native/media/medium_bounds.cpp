@@ -7,8 +7,8 @@ namespace nephele {
 
 namespace {
 
-/// The box that a box of index space fills in the world, and a little more: points of a ray that rounding puts
-/// just outside their cell are inside of it.
+/// The box that a box of index space fills in the world, and a little more: points of a ray that rounding
+/// puts just outside their cell are inside of it.
 void world_box(const BoundsFrame& frame, Vec3f lo, Vec3f hi, Vec3f& world_lo, Vec3f& world_hi) {
     world_lo = Vec3f(kInfinity);
     world_hi = Vec3f(-kInfinity);
@@ -33,8 +33,8 @@ BoundsFrame frame_of_box(Vec3f lo, Vec3f hi) {
     constexpr int kCells = 64;
     const Vec3f size = hi - lo;
     const double step = double{max_component(size)} / (8 * kCells);
-    const double world_from_index[16] = {step, 0, 0, double{lo.x}, 0, step, 0, double{lo.y}, 0, 0, step,
-                                         double{lo.z}, 0, 0, 0, 1};
+    const double world_from_index[16] = {step, 0, 0,    double{lo.x}, 0, step, 0, double{lo.y},
+                                         0,    0, step, double{lo.z}, 0, 0,    0, 1};
     BoundsFrame frame{inverse_of(world_from_index), transform_of(world_from_index), {}};
     frame.box.include({0, 0, 0});
     frame.box.include({static_cast<int>(std::ceil(double{size.x} / step)),
@@ -63,11 +63,12 @@ std::shared_ptr<const MediumBounds> bounds_of_program(const ProgramMedium& mediu
     };
     const CellBounds cells = CellBounds::of_function(frame.box, Bounds{0, 0}, bounds);
     const float voxel = std::cbrt(std::fabs(frame.world_from_index.determinant()));
-    auto out = std::make_shared<MediumBounds>(
-        MediumBounds{Majorants(cells, options.accelerator, voxel, options.minorants), frame.index_from_world});
+    auto out = std::make_shared<MediumBounds>(MediumBounds{
+        Majorants(cells, options.accelerator, voxel, options.minorants), frame.index_from_world});
     if (!(out->majorants.global_majorant() < kInfinity)) {
         throw std::invalid_argument(
-            "its volume shader has no upper bound of its density; add a Clamp node, or a Map Range that clamps");
+            "its volume shader has no upper bound of its density; add a Clamp node, or a Map Range that "
+            "clamps");
     }
     return out;
 }

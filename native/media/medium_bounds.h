@@ -31,9 +31,9 @@ struct BoundsFrame {
 /// The frame of a box of the world, its longest side divided into 64 cells.
 BoundsFrame frame_of_box(Vec3f lo, Vec3f hi);
 
-/// Bounds of a medium's extinction over its frame. Where it emits, the majorant is somewhat above: candidates,
-/// between which emission is gathered, then come often enough. Throws std::invalid_argument where the extinction
-/// has no bound.
+/// Bounds of a medium's extinction over its frame. Where it emits, the majorant is somewhat above:
+/// candidates, between which emission is gathered, then come often enough. Throws std::invalid_argument where
+/// the extinction has no bound.
 std::shared_ptr<const MediumBounds> bounds_of_program(const ProgramMedium& medium, const BoundsFrame& frame,
                                                       const BoundsOptions& options);
 

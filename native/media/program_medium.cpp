@@ -39,13 +39,15 @@ const ClosureRow& medium_row(const Program& program) {
 
 template <class Registers>
 PhaseFunction ProgramMedium::phase_of(const Registers& registers) const {
-    const auto parameter = [&](int input) { return registers[row_.inputs[static_cast<std::size_t>(input)]].x; };
+    const auto parameter = [&](int input) {
+        return registers[row_.inputs[static_cast<std::size_t>(input)]].x;
+    };
     return make_phase(static_cast<PhaseKind>(row_.mode), parameter(medium_input::phase_a),
                       parameter(medium_input::phase_b));
 }
 
-ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields, float scale,
-                             const ShadingPoint& place, const TextureContext& textures,
+ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields,
+                             float scale, const ShadingPoint& place, const TextureContext& textures,
                              std::span<const ImageBounds> images)
     : row_(medium_row(program)),
       fields_(std::move(fields)),
@@ -103,14 +105,14 @@ Rgb ProgramMedium::emission(const VolumePoint& at) const {
 }
 
 MediumRange ProgramMedium::range(Vec3f lo, Vec3f hi) const {
-    const BoundsInput input{lo, hi, place_, textures_, images_,
-                            [&](std::int32_t number, Vec3f from, Vec3f to) {
-                                const std::array<Bounds, 3> b = fields_.range(number, from, to);
-                                Interval3 out;
-                                out.lo = {b[0].min, b[1].min, b[2].min};
-                                out.hi = {b[0].max, b[1].max, b[2].max};
-                                return out;
-                            }};
+    const BoundsInput input{
+        lo, hi, place_, textures_, images_, [&](std::int32_t number, Vec3f from, Vec3f to) {
+            const std::array<Bounds, 3> b = fields_.range(number, from, to);
+            Interval3 out;
+            out.lo = {b[0].min, b[1].min, b[2].min};
+            out.hi = {b[0].max, b[1].max, b[2].max};
+            return out;
+        }};
     std::array<Interval3, kMaxRegisters> registers;
     const auto of = [&](int i) {
         return non_negative(registers[static_cast<std::size_t>(row_.inputs[static_cast<std::size_t>(i)])]);

@@ -32,11 +32,13 @@ struct MediumRange {
 
 class ProgramMedium {
   public:
-    /// program: validated, with one closure "medium". phase: null where the program says it. scale: multiplies sigma and emission. place: instance and
-    /// mesh that the program asks of, null for the world; they, the images and their bounds must outlive this. Throws
-    /// std::invalid_argument where the program has other closures.
-    ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields, float scale, const ShadingPoint& place,
-                  const TextureContext& textures, std::span<const ImageBounds> images);
+    /// program: validated, with one closure "medium". phase: null where the program says it. scale:
+    /// multiplies sigma and emission. place: instance and mesh that the program asks of, null for the world;
+    /// they, the images and their bounds must outlive this. Throws std::invalid_argument where the program
+    /// has other closures.
+    ProgramMedium(const Program& program, const PhaseFunction* phase, VolumeFields fields, float scale,
+                  const ShadingPoint& place, const TextureContext& textures,
+                  std::span<const ImageBounds> images);
 
     MediumPoint coefficients(const VolumePoint& at) const;
     /// W/(m^3 sr)

@@ -36,8 +36,7 @@ void check_mesh(const Mesh& mesh) {
 
 }  // namespace
 
-Scene::Scene(SceneSource source, const Settings& settings)
-    : source_(std::move(source)), settings_(settings) {
+Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(source)), settings_(settings) {
     camera_.emplace(source_.camera);
     textures_ = {source_.images,
                  inverse_of(source_.camera.world_from_camera),

@@ -25,8 +25,8 @@ namespace nephele {
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
     PhaseFunction phase;
-    std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
-    std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+    std::string density_grid;        ///< scales sigma_s and sigma_a; empty: 1 everywhere
+    std::string emission_grid;       ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
     bool program_has_phase = true;   ///< else `phase` stands
@@ -49,7 +49,7 @@ struct VolumeSource {
     std::uint32_t visibility = ~0u;
     GridOptions options;
     std::vector<std::string> velocity_grids;  ///< one of vectors or three of numbers; empty: no motion blur
-    float velocity_scale = 0;                 ///< m of the file's space per frame that a value of 1 stands for
+    float velocity_scale = 0;  ///< m of the file's space per frame that a value of 1 stands for
     Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
     float random = 0, pass_index = 0;
     std::array<float, 4> color{1, 1, 1, 1};
@@ -176,8 +176,8 @@ class Scene {
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;
-    std::vector<ImageBounds> image_bounds_;           ///< made when a volume's program asks first
-    std::deque<VolumeObject> volume_objects_;         ///< what programs of volumes ask of their object
+    std::vector<ImageBounds> image_bounds_;    ///< made when a volume's program asks first
+    std::deque<VolumeObject> volume_objects_;  ///< what programs of volumes ask of their object
     SceneFeatures features_;
     std::vector<std::string> warnings_;
     std::vector<GridUse> grids_;

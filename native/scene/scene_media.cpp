@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Media of the scene's regions: what the volume closures of the world, of meshes and of volume objects become.
+// Media of the scene's regions: what the volume closures of the world, of meshes and of volume objects
+// become.
 #include <algorithm>
 
 #include "scene/naming.h"
@@ -50,7 +51,8 @@ Medium Scene::program_medium(const VolumeClosure& c, float scale, VolumeFields f
     validate(*c.program, source_.images.size());
     Medium medium;
     medium.program =
-        std::make_shared<ProgramMedium>(*c.program, c.program_has_phase ? nullptr : &c.phase, std::move(fields), scale, place, textures_, image_bounds());
+        std::make_shared<ProgramMedium>(*c.program, c.program_has_phase ? nullptr : &c.phase,
+                                        std::move(fields), scale, place, textures_, image_bounds());
     if (medium.program->interacts() || medium.program->emits())
         medium.bounds = bounds_of_program(*medium.program, frame, bounds_options());
     return medium;
@@ -80,9 +82,8 @@ void Scene::add_region(Region region, std::vector<Medium> media) {
             continue;
         medium.name = region.name;
         medium.region = static_cast<std::uint32_t>(regions_.size());
-        const auto same =
-            std::find_if(media_.begin() + region.media_begin, media_.end(),
-                         [&](const Medium& m) { return mergeable(m, medium); });
+        const auto same = std::find_if(media_.begin() + region.media_begin, media_.end(),
+                                       [&](const Medium& m) { return mergeable(m, medium); });
         if (same == media_.end()) {
             media_.push_back(std::move(medium));
             continue;

@@ -48,8 +48,8 @@ VolumeClosure as_program(const VolumeClosure& c) {
     return out;
 }
 
-/// The frame in which a program that reads these grids is bounded: the index space of the first, and a box that
-/// holds all.
+/// The frame in which a program that reads these grids is bounded: the index space of the first, and a box
+/// that holds all.
 BoundsFrame frame_of(const std::vector<const PlacedGrid*>& grids, const VolumeMotion* motion) {
     const PlacedGrid& first = *grids.front();
     BoundsFrame frame{first.field.index_from_world, transform_of(first.world_from_index), {}};
@@ -115,8 +115,8 @@ class Scene::VolumeBuilder {
     }
 
   private:
-    /// Loads what the closures read, and warns of what is not there. Where they read nothing, the file's first
-    /// grid, whose box the constant coefficients fill.
+    /// Loads what the closures read, and warns of what is not there. Where they read nothing, the file's
+    /// first grid, whose box the constant coefficients fill.
     void load() {
         std::set<std::string> wanted;
         for (const VolumeClosure& c : closures_) {
@@ -210,7 +210,8 @@ class Scene::VolumeBuilder {
 
     std::shared_ptr<const VolumeMotion> make_motion() {
         const SceneSource& s = scene_.source_;
-        if (volume_.velocity_grids.empty() || s.shutter_open == s.shutter_close || volume_.velocity_scale == 0)
+        if (volume_.velocity_grids.empty() || s.shutter_open == s.shutter_close ||
+            volume_.velocity_scale == 0)
             return nullptr;
         GridOptions options = volume_.options;
         options.keep_negative = true;
@@ -289,9 +290,9 @@ class Scene::VolumeBuilder {
         place.mesh = &object.mesh;
         Region region(volume_.name, Region::Kind::box, volume_.visibility);
         region.set_box(frame.box, frame.index_from_world);
-        scene_.add_region(std::move(region), {scene_.program_medium(c, volume_.density_scale,
-                                                                    VolumeFields(std::move(fields), motion),
-                                                                    place, frame)});
+        scene_.add_region(std::move(region),
+                          {scene_.program_medium(c, volume_.density_scale,
+                                                 VolumeFields(std::move(fields), motion), place, frame)});
     }
 
     Scene& scene_;

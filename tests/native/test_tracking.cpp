@@ -69,6 +69,21 @@ std::vector<Case> cases() {
         {"spiky", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f)); }},
         {"noisy_thin", [] { return grid_line(noisy, Rgb(1e-3f), Rgb(1e-3f)); }},
         {"noisy_dense", [] { return grid_line(noisy, Rgb(1.0f), Rgb(0.1f)); }},
+        {"program",
+         [] {
+             Line line(slanted());
+             line.add_program(squared_grid({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, {0.1f, 0.3f, 0}), 0, 50,
+                              kVoxels, bumps);
+             return line;
+         }},
+        {"overlapping_grids",
+         [] {
+             Line line(slanted());
+             line.add({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, 0, 50, field_of(kVoxels, bumps));
+             line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
+             line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
+             return line;
+         }},
         {"overlapping",
          [] {
              Line line(slanted());
@@ -76,6 +91,8 @@ std::vector<Case> cases() {
              line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
              line.add({0, 0.02f, 0}, Rgb(0), 17, 50);
              line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
+             line.add_program(squared_grid({0.1f, 0.2f, 0.3f}, Rgb(0.1f), {0.1f, 0.3f, 0}), 5, 50, kVoxels,
+                              bumps);
              return line;
          }},
     };
@@ -86,6 +103,17 @@ Settings settings_of(Settings::Tracking tracking, bool global) {
     s.tracking = tracking;
     s.majorant = global ? Settings::Majorant::global : Settings::Majorant::grid;
     return s;
+}
+
+/// Cases without programs, whose media can be made grey.
+std::vector<Case> direct_cases() {
+    std::vector<Case> out;
+    for (const Case& c : cases()) {
+        const Line line = c.line();
+        if (std::none_of(line.media.begin(), line.media.end(), [](const Medium& m) { return m.program; }))
+            out.push_back(c);
+    }
+    return out;
 }
 
 struct Tracker {
@@ -110,13 +138,10 @@ std::string name_of(const testing::TestParamInfo<std::tuple<Case, Tracker>>& tes
                                                    : "_decomposition";
     return std::get<0>(test.param).name + method + (t.global ? "_global" : "_local");
 }
+constexpr Tracker kTrackers[] = {{kWeighted, false},     {kWeighted, true}, {kDecomposition, false},
+                                 {kDecomposition, true}, {kAnalog, false},  {kAnalog, true}};
 INSTANTIATE_TEST_SUITE_P(Media, TrackingIn,
-                         testing::Combine(testing::ValuesIn(cases()),
-                                          testing::Values(Tracker{kWeighted, false}, Tracker{kWeighted, true},
-                                                          Tracker{kDecomposition, false},
-                                                          Tracker{kDecomposition, true},
-                                                          Tracker{kAnalog, false}, Tracker{kAnalog, true})),
-                         name_of);
+                         testing::Combine(testing::ValuesIn(cases()), testing::ValuesIn(kTrackers)), name_of);
 
 TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
     constexpr int kBins = 8, kFlights = 60000;
@@ -158,7 +183,12 @@ TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
     }
 }
 
-TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
+class DistancesIn : public TrackingIn {};
+INSTANTIATE_TEST_SUITE_P(Media, DistancesIn,
+                         testing::Combine(testing::ValuesIn(direct_cases()), testing::ValuesIn(kTrackers)),
+                         name_of);
+
+TEST_P(DistancesIn, HaveTheRightDistribution) {
     constexpr int kFlights = 100000, kCells = 40;
     for (Medium& m : line.media) {  // grey and white: flights are then analog, with throughput 1
         m.sigma_t = m.sigma_s = Rgb(max_component(m.sigma_t));
@@ -244,7 +274,12 @@ TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
     constexpr int kFlights = 40000;
     float number = 0;
     for (Medium& m : line.media)
-        m.phase.p0 = number++;
+        m.phase.p0 = m.program ? kProgramG : number++;  // tells whose a share is
+    const auto medium_of = [&](const ScatterShare& share) {
+        const auto found = std::find_if(line.media.begin(), line.media.end(),
+                                        [&](const Medium& m) { return m.phase.p0 == share.phase.p0; });
+        return static_cast<std::size_t>(found - line.media.begin());
+    };
     std::vector<std::array<Mean, 3>> by_medium(line.media.size());
     TrackingScratch scratch;
     Counters counters;
@@ -258,8 +293,7 @@ TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
             for (const ScatterShare& share : scratch.shares)
                 total += share.sigma_s;
             for (const ScatterShare& share : scratch.shares)
-                scattered[static_cast<std::size_t>(share.phase.p0)] +=
-                    beta * share.sigma_s / max(total, Rgb(1e-30f));
+                scattered[medium_of(share)] += beta * share.sigma_s / max(total, Rgb(1e-30f));
         }
         for (std::size_t m = 0; m < scattered.size(); ++m) {
             for (int c = 0; c < 3; ++c)
@@ -267,14 +301,9 @@ TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
         }
     }
     for (std::size_t m = 0; m < line.media.size(); ++m) {
-        Line alone = line;  // scatters in medium m only
-        for (std::size_t k = 0; k < line.media.size(); ++k) {
-            alone.segment.intervals[k].medium = &alone.media[k];
-            if (k != m)
-                alone.media[k].sigma_s = Rgb(0);
-        }
+        line.scatters = &line.media[m];
         for (int c = 0; c < 3; ++c) {
-            const double expected = Profile(alone, 0, 50, c, 20000).scattered.back();
+            const double expected = Profile(line, 0, 50, c, 20000).scattered.back();
             if (expected * kFlights < 50)
                 continue;
             const Mean& mean = by_medium[m][static_cast<std::size_t>(c)];
