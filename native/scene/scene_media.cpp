@@ -18,6 +18,9 @@ void check_closure(const VolumeClosure& c) {
     }
 }
 
+/// How far a volume of the world that varies reaches at most, m.
+constexpr float kWorldReach = 1e4f;
+
 /// Media that vary alike and scatter alike are one.
 bool mergeable(const Medium& a, const Medium& b) {
     return !a.program && !b.program && a.grid == b.grid &&

@@ -102,7 +102,7 @@ Interval1 smooth_min(Interval1 a, Interval1 b, Interval1 distance) {
 Interval1 remainder_bounds(Interval1 a, Interval1 t, Interval1 period, Interval1 low) {
     if (!tame(a, t, period, low))
         return everything();
-    const double most = kRounding * (a.magnitude() + low.magnitude() + period.magnitude());
+    const double most = kIntervalRounding * (a.magnitude() + low.magnitude() + period.magnitude());
     const Interval1 end = low + period, whole = a - period * floor(t);
     return narrowed(whole, std::min(low.lo, end.lo) - 4 * most, std::max(low.hi, end.hi) + 4 * most);
 }

@@ -186,7 +186,7 @@ Interval1 piece_bounds(const Box& p, const Fractal& fractal, int n) {
             for (int i = 0; i < n; ++i) {
                 center[i] = static_cast<float>(0.5 * (box[i].lo + box[i].hi));
                 reach += 0.5 * box[i].width() * gradient[i].magnitude();
-                error += gradient[i].magnitude() * 4 * kRounding * box[i].magnitude();
+                error += gradient[i].magnitude() * 4 * kIntervalRounding * box[i].magnitude();
             }
             const double value = perlin_at(center, n);
             whole = reach + error > kPerlinRange[n];

@@ -161,7 +161,7 @@ Interval3 vector_bounds(Op op, const Step& step, const Interval3& a, const Inter
             return Interval3(a[0] * 0.2126729 + a[1] * 0.7151522 + a[2] * 0.0721750);
         case Op::fresnel:
         case Op::layer_weight:
-            return Interval3(Interval1(0, 1 + kRounding, !tame(a[0])));
+            return Interval3(Interval1(0, 1 + kIntervalRounding, !tame(a[0])));
         case Op::normal_map:
             return Interval3(Interval1(kDirection.lo, kDirection.hi, !tame(a[0], a[1], a[2]) || !tame(b[0])));
         default:
