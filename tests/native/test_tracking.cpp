@@ -216,17 +216,17 @@ TEST_P(DistancesIn, HaveTheRightDistribution) {
 
 using Estimator = Settings::Transmittance;
 class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, Estimator, bool>> {};
+std::string estimator_name(const testing::TestParamInfo<std::tuple<Case, Estimator, bool>>& test) {
+    constexpr const char* kNames[] = {"_ratio", "_residual_ratio", "_ray_marching"};
+    const auto& [medium, estimator, global] = test.param;
+    return medium.name + kNames[static_cast<int>(estimator)] + (global ? "_global" : "_local");
+}
 INSTANTIATE_TEST_SUITE_P(Media, TransmittanceIn,
                          testing::Combine(testing::ValuesIn(cases()),
                                           testing::Values(Estimator::ratio, Estimator::residual_ratio,
                                                           Estimator::ray_marching),
                                           testing::Bool()),
-                         [](const auto& test) {
-                             constexpr const char* kNames[] = {"_ratio", "_residual_ratio", "_ray_marching"};
-                             return std::get<0>(test.param).name +
-                                    kNames[static_cast<int>(std::get<1>(test.param))] +
-                                    (std::get<2>(test.param) ? "_global" : "_local");
-                         });
+                         estimator_name);
 
 TEST_P(TransmittanceIn, IsUnbiased) {
     Line line = std::get<0>(GetParam()).line();
