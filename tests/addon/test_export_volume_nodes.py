@@ -252,7 +252,9 @@ def test_color_in_the_volume_socket_shines(tree):
     node.outputs[0].default_value = (1, 0.5, 0.25, 1)
     (closure,) = tree.compile(node)
     assert closure.emission == pytest.approx((1, 0.5, 0.25))
-    assert "material 'Fog', node 'Color': 'Color' is no shader; it is taken as emission" in tree.warnings
+    assert tree.warnings == [
+        f"material 'Fog', node '{node.name}': 'Color' is no shader; it is taken as emission"
+    ]
 
 
 def test_surface_shader_in_the_volume_socket_warns(tree):
