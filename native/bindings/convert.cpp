@@ -131,7 +131,10 @@ PhaseFunction phase_function(nb::handle p) {
     const auto* found = std::find(kPhaseKindNames, end, kind);
     if (found == end)
         throw std::invalid_argument("phase function '" + kind + "' is not known");
-    return {static_cast<PhaseKind>(found - kPhaseKindNames), value<float>(p, "a"), value<float>(p, "b")};
+    const float a = value<float>(p, "a"), b = value<float>(p, "b");
+    if (!std::isfinite(a) || !std::isfinite(b))
+        throw std::invalid_argument("a parameter of phase function '" + kind + "' is not finite");
+    return make_phase(static_cast<PhaseKind>(found - kPhaseKindNames), a, b);
 }
 
 VolumeClosure volume_closure(nb::handle c) {
@@ -139,14 +142,10 @@ VolumeClosure volume_closure(nb::handle c) {
         const nb::object name = c.attr(attribute);
         return name.is_none() ? std::string() : nb::cast<std::string>(name);
     };
-    VolumeClosure out{rgb(c, "sigma_s"),
-                      rgb(c, "sigma_a"),
-                      rgb(c, "emission"),
-                      phase_function(c.attr("phase")),
-                      grid("density_grid"),
-                      grid("emission_grid"),
-                      program(c.attr("program")),
-                      {}};
+    VolumeClosure out{rgb(c, "sigma_s"),          rgb(c, "sigma_a"),
+                      rgb(c, "emission"),         phase_function(c.attr("phase")),
+                      grid("density_grid"),       grid("emission_grid"),
+                      program(c.attr("program")), {}};
     for (nb::handle name : nb::borrow<nb::object>(c.attr("grids")))
         out.grids.push_back(nb::cast<std::string>(name));
     return out;
