@@ -80,7 +80,8 @@ ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase,
 ShadingPoint ProgramMedium::shading_point(const VolumePoint& at) const {
     ShadingPoint point = place_;
     point.p = at.p;
-    point.object_p = place_.instance ? place_.instance->object_from_world.point(at.p) : at.p;
+    point.object_p =
+        place_.instance ? place_.instance->object_from_world.point(at.p) : at.p + textures_.origin;
     point.wo = point.ng = point.ns = at.wo;
     point.ray_kind = at.ray_kind;
     point.time = at.time;

@@ -42,7 +42,9 @@ Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(s
                  inverse_of(source_.camera.world_from_camera),
                  {static_cast<float>(source_.camera.left), static_cast<float>(source_.camera.right),
                   static_cast<float>(source_.camera.bottom), static_cast<float>(source_.camera.top)},
-                 !camera_->perspective()};
+                 !camera_->perspective(),
+                 Vec3f(static_cast<float>(source_.origin[0]), static_cast<float>(source_.origin[1]),
+                       static_cast<float>(source_.origin[2]))};
     for (const Material& m : source_.materials) {
         if (m.surface)
             naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });

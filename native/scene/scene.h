@@ -70,6 +70,7 @@ struct SceneSource {
     std::vector<Image> images;
     std::vector<LampDescription> lamps;
     WorldSource world;
+    std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
 };
 

@@ -242,7 +242,7 @@ Interval1 arctan2(Interval1 y, Interval1 x) {
 }
 
 Interval1 map_range(Interval1 a, Interval1 from_low, Interval1 from_high, Interval1 to_low, Interval1 to_high,
-                   std::int32_t mode) {
+                    std::int32_t mode) {
     Interval1 t = divide(a - from_low, from_high - from_low);
     if (mode != 0)
         t = clamp01(t);

@@ -20,7 +20,9 @@ Interval3 transformed(const Transform& t, const Interval3& p, bool vector) {
 
 Interval3 object_box(const BoundsInput& input) {
     const Interval3 p = box_of(input);
-    return input.point.instance ? transformed(input.point.instance->object_from_world, p, false) : p;
+    if (input.point.instance)
+        return transformed(input.point.instance->object_from_world, p, false);
+    return input.point.is_place() ? moved(p, input.context.origin) : p;
 }
 
 Interval3 generated(const BoundsInput& input) {
@@ -35,7 +37,7 @@ Interval3 generated(const BoundsInput& input) {
 }
 
 Interval3 camera_box(const BoundsInput& input) {
-    return transformed(input.context.camera_from_world, box_of(input), !input.point.instance);
+    return transformed(input.context.camera_from_world, box_of(input), !input.point.is_place());
 }
 
 Interval3 window(const BoundsInput& input) {
@@ -70,7 +72,7 @@ Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
         case Op::window_coordinate:
             return window(input);
         case Op::position:
-            return box_of(input);
+            return input.point.is_place() ? moved(box_of(input), input.context.origin) : box_of(input);
         case Op::normal:
         case Op::normal_object:
         case Op::geometric_normal:
