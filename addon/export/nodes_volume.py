@@ -143,9 +143,10 @@ def _blackbody(c, node, path):
     if (name := _found_grid(c, node, "Temperature Attribute")) is not None:
         kelvin = c.emit("multiply", kelvin, _nonnegative(c, c.read_number(name)))
     squared = c.emit("multiply", kelvin, kelvin)
-    power = c.emit("multiply", c.emit("multiply", squared, squared), constant(BOLTZMANN))
+    scale = c.emit("multiply", intensity, constant(BOLTZMANN))
+    power = c.emit("multiply", c.emit("multiply", squared, squared), scale)
     color = c.emit("multiply", c.emit("blackbody", kelvin), _input(c, node, "Blackbody Tint", path))
-    return c.emit("multiply", c.emit("multiply", intensity, power), color)
+    return c.emit("multiply", power, color)
 
 
 def _shine(c, node, path, color, strength):
