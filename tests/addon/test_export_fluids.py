@@ -7,6 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele.export import ExportError
+from nephele.export.blackbody import blackbody_rgb
+from nephele.export.nodes_volume import BOLTZMANN
+from programs import with_nodes
+from volume_trees import evaluate
 
 
 @pytest.fixture
@@ -170,3 +174,22 @@ def test_damaged_noise_is_an_error(domain, export, openvdb):
     path.write_bytes(b"no VDB")
     with pytest.raises(ExportError, match=r"fluid domain 'Domain': .*fluid_noise_0001.vdb cannot be brought"):
         export()
+
+
+def test_fluid_fire(bpy, domain, export):
+    """Blender's temperature of a domain goes from ignition to the hottest flame, in thousands of kelvin."""
+    settings = domain.modifiers[0].domain_settings
+    settings.flame_ignition, settings.flame_max_temp = 1.25, 1.75
+    cached(domain, 1)  # Blender deletes the cache when such a setting changes
+    material = with_nodes(bpy.data.materials.new("Fire"))
+    shader = material.node_tree.nodes.new("ShaderNodeVolumePrincipled")
+    shader.inputs["Blackbody Intensity"].default_value = 1.0
+    output = material.node_tree.nodes["Material Output"]
+    material.node_tree.links.new(shader.outputs[0], output.inputs["Volume"])
+    domain.data.materials.append(material)
+    scene = export()
+    smoke, fire = scene.materials[scene.volumes[0].material].volume
+    assert (smoke.density_grid, fire.grids) == ("density", ("flame",))
+    emission = evaluate(fire, {"flame": 0.5})["emission"]
+    assert emission == pytest.approx(BOLTZMANN * 1500**4 * blackbody_rgb(1500), rel=1e-5)
+    assert scene.warnings == ()
