@@ -261,11 +261,11 @@ TEST(Tracking, PowerSeriesOfNoisyDepthsIsUnbiased) {
     Mean mean;
     Rng rng(53);
     for (int n = 0; n < 2000000; ++n) {
-        const detail::SeriesLength length(rng);
-        double x[detail::SeriesLength::kMaxTerms + 1];
-        for (int i = 0; i <= length.terms; ++i)
+        const int terms = detail::series_length(rng);
+        double x[detail::kMaxTerms + 1];
+        for (int i = 0; i <= terms; ++i)
             x[i] = rng.next() < 0.5f ? -1 : -3;
-        mean.add(detail::power_series(x, length));
+        mean.add(detail::power_series(x, terms));
     }
     EXPECT_LT(mean.z(std::exp(-2.0)), kSigmas) << mean.mean();
 }
