@@ -13,65 +13,27 @@ a test cannot pass by noise.
 
 import numpy as np
 import pytest
-from nephele import description as d
-from truth import BOX_FILTER, NO_LIMIT, Scene, assert_mean, box, facing, half_world, orthographic
-
-ALBEDOS = (0.5, 0.9, 0.99)
-UP, DOWN = half_world(1.0), half_world(0.0, 1.0)
-
-
-def closure(albedos, g=0.0, **more):
-    """Returns a medium of extinction 1/m and these albedos by channel."""
-    a = np.array(albedos, float)
-    return d.VolumeClosure(tuple(a), tuple(1 - a), phase=d.Phase(a=g), **more)
-
-
-def camera(b, mu, below=False, azimuth=0.6):
-    """Returns a camera that sees the slab 0 < z < b from above, or from below, along a line of cosine mu."""
-    s = np.sqrt(1 - mu * mu)
-    away = np.array([s * np.cos(azimuth), s * np.sin(azimuth), -mu if below else mu])
-    target = np.array([0, 0, 0.0 if below else b])
-    return orthographic(target + 5 * away, target)
-
-
-def slab(b, medium, view, world=None, lights=()):
-    wide = box((-1000, -1000, 0), (1000, 1000, b), "slab")
-    return Scene(view, world, lights=lights).add(wide, None, (medium,))
-
-
-def beam(mu0, irradiance):
-    """Returns a sun without extent; irradiance: on a plane normal to the beam."""
-    to_sun = (np.sqrt(1 - mu0 * mu0), 0.0, mu0)
-    return d.Light("beam", "sun", facing(to_sun, (0, 0, 0)), (irradiance,) * 3)
-
-
-def radiance(scene, samples=64, **settings):
-    return scene.render(size=48, samples=samples, seed=7, **NO_LIMIT, **BOX_FILTER, **settings)["Combined"]
-
-
-# Adding-doubling: iadpython 0.5.3 (S. Prahl), 16 quadrature points, converged to 1e-5; rows a = 0.5, 0.9,
-# 0.99, 1.0. UR1, UT1: reflectance and transmittance (unscattered light included) of a beam along the normal.
-# By reciprocity they are the radiance at mu = 1, above the slab and below it, where radiance 1 falls on its
-# top from everywhere. The rows a = 1, b = 1 agree with van de Hulst 1980, volume 1 table 12 (g = 0: R
-# 0.34133) and volume 2 table 35 (g = 0.5: T 0.82389); a = 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995
-# (diffuse R 0.09739).
-ADDING_DOUBLING = {
-    (0.0, 1): ((0.09912, 0.26741, 0.33292, 0.34133), (0.44606, 0.59163, 0.65098, 0.65867)),
-    (0.0, 8): ((0.11523, 0.41484, 0.72875, 0.82180), (0.00082, 0.01602, 0.12207, 0.17820)),
-    (0.5, 0.5): ((0.02676, 0.07204, 0.08785, 0.08980), (0.73004, 0.86720, 0.90569, 0.91020)),
-    (0.5, 1): ((0.03824, 0.12979, 0.17073, 0.17611), (0.52007, 0.73909, 0.81452, 0.82389)),
-    (0.75, 2): ((0.01846, 0.09740, 0.15440, 0.16318), (0.30533, 0.66096, 0.81604, 0.83682)),
-    (0.75, 8): ((0.01953, 0.16298, 0.43305, 0.50642), (0.00539, 0.13061, 0.41633, 0.49358)),
-}
-HALF_DIGIT = 1.5e-5  # the tables' last digit, and their convergence
-
+from slabs import (
+    ADDING_DOUBLING,
+    ALBEDOS,
+    DOWN,
+    HALF_DIGIT,
+    TABLE_ALBEDOS,
+    UP,
+    beam,
+    camera,
+    closure,
+    radiance,
+    slab,
+)  # fmt: skip
+from truth import Scene, assert_mean
 
 @pytest.mark.parametrize(("g", "b"), ADDING_DOUBLING)
 @pytest.mark.parametrize("side", [0, 1], ids=["reflectance", "transmittance"])
 def test_slab_under_diffuse_light_is_adding_doubling(g, b, side):
     table = np.array(ADDING_DOUBLING[g, b][side])
     for picked in ((0, 1, 2), (1, 2, 3)):
-        albedos = np.array([*ALBEDOS, 1.0])[list(picked)]
+        albedos = np.array(TABLE_ALBEDOS)[list(picked)]
         scene = slab(b, closure(albedos, g), camera(b, 1.0, below=side == 1), UP)
         expected = table[list(picked)]
         assert_mean(radiance(scene, 128), expected, rounding=HALF_DIGIT / expected, most=0.01)
