@@ -9,7 +9,18 @@ surroundings.
 
 import numpy as np
 from nephele import description as d
-from truth import BOX_FILTER, NO_LIMIT, RAY, Scene, box, diffuse, facing, half_world, orthographic
+from truth import (
+    BOX_FILTER,
+    NO_LIMIT,
+    RAY,
+    Scene,
+    box,
+    diffuse,
+    estimate,
+    facing,
+    half_world,
+    orthographic,
+)  # fmt: skip
 
 ALBEDOS = (0.5, 0.9, 0.99)
 UP, DOWN = half_world(1.0), half_world(0.0, 1.0)
@@ -41,8 +52,8 @@ def beam(mu0, irradiance):
 
 
 def under_screen(b, medium, below=False, **scene):
-    """Returns a Scene whose pixels are estimates of the flux that leaves the slab above, or below, over pi: the
-    radiance of a white diffuse screen beside the slab that camera rays alone see."""
+    """Returns a Scene whose pixels are estimates of the flux, over pi, that leaves the slab above, or below:
+    the radiance of a white diffuse screen beside the slab that camera rays alone see."""
     face, outwards = (0.0, -1) if below else (b, 1)
     near, far = (face + k * outwards for k in (2.0, 3.0))
     view = orthographic((0, 0, face + outwards), (0, 0, near))
@@ -55,11 +66,11 @@ def radiance(scene, samples=64, seed=7, **settings):
 
 
 # Adding-doubling: iadpython 0.5.3 (S. Prahl), 16 quadrature points, converged to 1e-5, by g and b; rows UR1,
-# UT1, URU, UTU, columns by TABLE_ALBEDOS. UR1, UT1: reflectance and transmittance (unscattered light included)
-# of a beam along the normal; URU, UTU: of diffuse light. By reciprocity UR1 and UT1 are the radiance at mu = 1
-# above the slab and below it, where radiance 1 falls on its top from everywhere. The rows a = 1, b = 1 agree
-# with van de Hulst 1980, volume 1 table 12 (g = 0: R 0.34133) and volume 2 table 35 (g = 0.5: T 0.82389); a =
-# 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995 (diffuse R 0.09739).
+# UT1, URU, UTU, columns by TABLE_ALBEDOS. UR1, UT1: reflectance and transmittance (unscattered light
+# included) of a beam along the normal; URU, UTU: of diffuse light. By reciprocity UR1 and UT1 are the
+# radiance at mu = 1 above the slab and below it, where radiance 1 falls on its top from everywhere. The rows
+# a = 1, b = 1 agree with van de Hulst 1980, volume 1 table 12 (g = 0: R 0.34133) and volume 2 table 35 (g =
+# 0.5: T 0.82389); a = 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995 (diffuse R 0.09739).
 TABLE_ALBEDOS = (0.5, 0.9, 0.99, 1.0)
 ADDING_DOUBLING = {
     (0, 0.5): (
@@ -136,3 +147,50 @@ ADDING_DOUBLING = {
     ),
 }
 HALF_DIGIT = 1.5e-5  # the tables' last digit, and their convergence
+
+# DISORT's test suite (Stamnes et al. 1988; disotest of nanodisort and cdisort), problem 1 after van de Hulst
+# 1980, volume 1 table 12, problem 3 after volume 2 table 37. Beams carry flux pi onto the slab. Radiance at
+# mu = 0.1, 0.5, 1 upwards above the slab and (diffuse) downwards below it.
+BEAMS = {
+    "1a 1b": (0.03125, (0.2, 1.0, 1.0), 0.0, 0.1,
+        ((0.117771, 0.622884), (0.0264170, 0.139763), (0.0134041, 0.0709192)),
+        ((0.115898, 0.613458), (0.0263324, 0.139337), (0.0133826, 0.0708109))),
+    "1d 1e": (32, (0.2, 1.0, 1.0), 0.0, 0.1,
+        ((0.262972, 1.93321), (0.0906967, 1.02732), (0.0502853, 0.797199)),
+        ((0.0, 0.0116385), (0.0, 0.0187805), (0.0, 0.0271316))),
+    "3a": (1, (1.0, 1.0, 1.0), 0.75, 1.0,
+        ((0.151159,), (0.101103,), (0.0395460,)), ((0.213750,), (0.266648,), (3.05855,))),
+    "3b": (8, (1.0, 1.0, 1.0), 0.75, 1.0,
+        ((0.379740,), (0.519598,), (0.493302,)), ((0.236362,), (0.422350,), (0.669581,))),
+}  # fmt: skip
+MU = (0.1, 0.5, 1.0)
+
+# DISORT's problem 1, isotropic light of radiance 1 from above, a = 0.99; below, unscattered light counts.
+ISOTROPIC = {0.03125: ((0.133177, 0.0299879, 0.0152233), (0.863946, 0.969363, 0.984447)),
+             32: ((0.877510, 0.815136, 0.752715), (0.000779280, 0.00126492, 0.00186840))}  # fmt: skip
+
+# Chandrasekhar's H function for isotropic scattering (400-point Gauss quadrature; H(1) at a = 1 is 2.9078):
+# BRF(mu, mu0) = a H(mu) H(mu0) / (4 (mu + mu0)) = pi L / E; R(mu0) = 1 - sqrt(1 - a) H(mu0).
+H = {
+    0.1: (1.072369, 1.172143, 1.224875),
+    0.5: (1.187735, 1.556034, 1.848601),
+    1.0: (1.251260, 1.850099, 2.472793),
+}
+
+
+def precisely(scene, expected, rounding=0.0, most_batches=400, **render):
+    """Asserts that the mean of a scene's pixels, all estimates of one number a channel, is `expected` within
+    0.3 % and the reference's `rounding` (absolute). Renders with seed after seed until the standard error is
+    a third of that: false alarm 0.3 % a number at worst, with seeds that are fixed."""
+    expected = np.broadcast_to(np.asarray(expected, float), 3)
+    allowed = 0.003 * expected + rounding
+    means, squares = np.zeros((2, 3))
+    for batch in range(1, most_batches + 1):
+        e = estimate(radiance(scene, seed=1000 + batch, **render))
+        means, squares = means + e.mean, squares + e.error**2
+        mean, error = means / batch, np.sqrt(squares) / batch
+        if np.all(error <= allowed / 3):
+            break
+    assert np.all(error <= allowed / 3), f"too noisy to tell: {mean} +- {error}"
+    off = np.abs(mean - expected)
+    assert np.all(off <= allowed), f"got {mean} +- {error}, expected {expected}: off {off / expected}"

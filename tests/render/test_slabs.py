@@ -16,10 +16,14 @@ import pytest
 from slabs import (
     ADDING_DOUBLING,
     ALBEDOS,
+    BEAMS,
     DOWN,
     HALF_DIGIT,
+    ISOTROPIC,
+    MU,
     TABLE_ALBEDOS,
     UP,
+    H,
     beam,
     camera,
     closure,
@@ -27,6 +31,7 @@ from slabs import (
     slab,
 )  # fmt: skip
 from truth import Scene, assert_mean
+
 
 @pytest.mark.parametrize(("g", "b"), ADDING_DOUBLING)
 @pytest.mark.parametrize("side", [0, 1], ids=["reflectance", "transmittance"])
@@ -59,24 +64,6 @@ def test_slab_of_a_grid_is_adding_doubling(tmp_path, openvdb, settings):
         assert_mean(radiance(scene, 64, **settings), expected, rounding=HALF_DIGIT / expected, most=0.01)
 
 
-# DISORT's test suite (Stamnes et al. 1988; disotest of nanodisort and cdisort), problem 1 after van de Hulst
-# 1980, volume 1 table 12, problem 3 after volume 2 table 37. Beams carry flux pi onto the slab. Radiance at
-# mu = 0.1, 0.5, 1 upwards above the slab and (diffuse) downwards below it.
-BEAMS = {
-    "1a 1b": (0.03125, (0.2, 1.0, 1.0), 0.0, 0.1,
-        ((0.117771, 0.622884), (0.0264170, 0.139763), (0.0134041, 0.0709192)),
-        ((0.115898, 0.613458), (0.0263324, 0.139337), (0.0133826, 0.0708109))),
-    "1d 1e": (32, (0.2, 1.0, 1.0), 0.0, 0.1,
-        ((0.262972, 1.93321), (0.0906967, 1.02732), (0.0502853, 0.797199)),
-        ((0.0, 0.0116385), (0.0, 0.0187805), (0.0, 0.0271316))),
-    "3a": (1, (1.0, 1.0, 1.0), 0.75, 1.0,
-        ((0.151159,), (0.101103,), (0.0395460,)), ((0.213750,), (0.266648,), (3.05855,))),
-    "3b": (8, (1.0, 1.0, 1.0), 0.75, 1.0,
-        ((0.379740,), (0.519598,), (0.493302,)), ((0.236362,), (0.422350,), (0.669581,))),
-}  # fmt: skip
-MU = (0.1, 0.5, 1.0)
-
-
 @pytest.mark.parametrize("case", BEAMS)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_a_beam_is_disort(case, below):
@@ -88,26 +75,12 @@ def test_slab_under_a_beam_is_disort(case, below):
         assert_mean(radiance(scene, samples), expected, rounding=1e-5, most=most)
 
 
-# DISORT's problem 1, isotropic light of radiance 1 from above, a = 0.99; below, unscattered light counts.
-ISOTROPIC = {0.03125: ((0.133177, 0.0299879, 0.0152233), (0.863946, 0.969363, 0.984447)),
-             32: ((0.877510, 0.815136, 0.752715), (0.000779280, 0.00126492, 0.00186840))}  # fmt: skip
-
-
 @pytest.mark.parametrize("b", ISOTROPIC)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_isotropic_light_is_disort(b, below):
     for mu, value in zip(MU, ISOTROPIC[b][below], strict=True):
         scene = slab(b, closure((0.99,) * 3), camera(b, mu, below), UP)
         assert_mean(radiance(scene, 32 if b == 32 else 128), value, rounding=2e-5, most=0.02)
-
-
-# Chandrasekhar's H function for isotropic scattering (400-point Gauss quadrature; H(1) at a = 1 is 2.9078):
-# BRF(mu, mu0) = a H(mu) H(mu0) / (4 (mu + mu0)) = pi L / E; R(mu0) = 1 - sqrt(1 - a) H(mu0).
-H = {
-    0.1: (1.072369, 1.172143, 1.224875),
-    0.5: (1.187735, 1.556034, 1.848601),
-    1.0: (1.251260, 1.850099, 2.472793),
-}
 
 
 @pytest.mark.parametrize(("mu", "mu0"), [(1.0, 1.0), (0.5, 1.0), (1.0, 0.1), (0.1, 0.5)])
