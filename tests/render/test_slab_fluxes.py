@@ -8,6 +8,7 @@ numbers; of the long ones see `precisely`.
 
 import numpy as np
 import pytest
+from nephele import description as d
 from slabs import (
     ADDING_DOUBLING,
     BEAMS,
@@ -25,7 +26,7 @@ from slabs import (
     slab,
     under_screen,
 )  # fmt: skip
-from truth import assert_mean
+from truth import NO_LIMIT, Scene, assert_mean, box, orthographic
 
 SIDES = pytest.mark.parametrize("side", [0, 1], ids=["above", "below"])
 PICKED = ([0, 1, 2], [1, 2, 3])
@@ -145,3 +146,15 @@ def test_white_half_space_is_chandrasekhar(mu, brf):
     """Albedo 1: a slab of b = 1000 lets through 0.1 % of the light. Paths are hundreds of events long."""
     scene = slab(1000, closure((1.0,) * 3), camera(1000, mu), lights=(beam(1.0, np.pi),))
     assert_mean(radiance(scene, 64), brf, rounding=2e-3, most=0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("tracking", ["weighted_delta", "delta"])
+def test_hundred_million_events_stay_finite(tracking):
+    """A medium whose extinction is its own majorant: a probability of meeting it that is rounded to just below
+    1 must not end in a path of weight 0 that goes on. Scene.render refuses samples that are not finite."""
+    view = orthographic((0, 0, 1100), (0, 0, 1000))
+    medium = d.VolumeClosure((0.7, 0.699, 0.6999), (0.0, 0.001, 0.0001))
+    scene = Scene(view, UP).add(box((-5000, -5000, 0), (5000, 5000, 1000)), None, (medium,))
+    image = scene.render(size=64, samples=128, seed=1, tracking=tracking, **NO_LIMIT)["Combined"]
+    assert np.all(image.mean((0, 1)) > 0.8)
