@@ -151,8 +151,9 @@ def test_white_half_space_is_chandrasekhar(mu, brf):
 @pytest.mark.long
 @pytest.mark.parametrize("tracking", ["weighted_delta", "delta"])
 def test_hundred_million_events_stay_finite(tracking):
-    """A medium whose extinction is its own majorant: a probability of meeting it that is rounded to just below
-    1 must not end in a path of weight 0 that goes on. Scene.render refuses samples that are not finite."""
+    """A medium whose extinction is its own majorant: a probability of meeting it that is rounded to just
+    below 1 must not end in a path of weight 0 that goes on. Scene.render refuses samples that are not
+    finite."""
     view = orthographic((0, 0, 1100), (0, 0, 1000))
     medium = d.VolumeClosure((0.7, 0.699, 0.6999), (0.0, 0.001, 0.0001))
     scene = Scene(view, UP).add(box((-5000, -5000, 0), (5000, 5000, 1000)), None, (medium,))
