@@ -8,8 +8,8 @@ variance comes from the scatter of renders with different seeds, hence Student's
 the means of blocks of 6 x 6 pixels and of the whole image, each with false alarm 1e-4 a scene (Sidak).
 
 Six of the seven scenes; the seventh has no medium, and surfaces of plastic that no closure is. On the glass
-one's pedestal, whose smooth normals are coarse, Mitsuba's refraction leaks where ours does not: 2 to 4 %, which
-864 paths a pixel do not tell from noise.
+one's pedestal, whose smooth normals are coarse, Mitsuba's refraction leaks where ours does not: 2 to 4 %,
+which 864 paths a pixel do not tell from noise.
 """
 
 from pathlib import Path
