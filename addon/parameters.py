@@ -148,7 +148,11 @@ PARAMETERS = (
         "How the transmittance of shadow rays through a volume is estimated",
         items=(
             ("ratio", "Ratio Tracking", "Product of null-collision probabilities"),
-            ("residual_ratio", "Residual Ratio", "The lower bounds in closed form, ratio tracking of the rest"),
+            (
+                "residual_ratio",
+                "Residual Ratio",
+                "The lower bounds in closed form, ratio tracking of the rest",
+            ),
             ("ray_marching", "Unbiased Ray Marching", "Power series of ray-marched optical depths"),
         ),
         group="volumes",

@@ -82,7 +82,7 @@ void Scene::add_meshes() {
         const std::vector<VolumeClosure>& closures =
             source_.materials[static_cast<std::size_t>(*slot)].volume;
         const std::size_t before = regions_.size();
-        add_mesh_region(instance, closures);
+        naming(instance.name, [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)
             continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);

@@ -62,7 +62,9 @@ inline Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, 
     if (!(t1 < kInfinity))
         return sum;
     for (const MajorantTrack& track : scratch.tracks) {
-        if (track.interval().t0 > t0 || !track.medium().emits() || track.empty())
+        const Medium& m = track.medium();
+        const bool dark = track.empty() && (m.density_scales_emission || m.program);
+        if (track.interval().t0 > t0 || !m.emits() || dark)
             continue;
         sum += track.emission(lerp(t0, t1, rng.next()), rng, counters) * (t1 - t0);
     }

@@ -7,10 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele.export import ExportError
-from nephele.export.blackbody import blackbody_rgb
-from nephele.export.nodes_volume import BOLTZMANN
 from programs import with_nodes
-from volume_trees import evaluate
 
 
 @pytest.fixture
