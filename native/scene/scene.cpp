@@ -139,7 +139,7 @@ void Scene::add_meshes() {
         boundaries.push_back(i);
     }
     surfaces_.emplace(source_.meshes, source_.instances, surfaces);
-    boundaries_.emplace(source_.meshes, source_.instances, boundaries);
+    boundaries_.emplace(source_.meshes, source_.instances, boundaries, Intersector::Faces::watertight);
 }
 
 }  // namespace nephele

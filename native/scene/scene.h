@@ -135,7 +135,6 @@ class Scene {
   private:
     struct SurfaceFilter;
     struct TransmittanceFilter;
-    struct CrossingCollector;
     std::int32_t material_of(const Hit& hit) const;
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;

@@ -2,6 +2,7 @@
 // Queries of the scene while rendering: nearest surface, shadow transmittance, media along a ray.
 #include <algorithm>
 
+#include "scene/crossings.h"
 #include "scene/scene.h"
 
 namespace nephele {
@@ -33,18 +34,6 @@ struct Scene::TransmittanceFilter final : HitFilter {
         transmittance *=
             evaluate_transparency(program, scene.shading_point(hit, ray, kShadowRay), scene.textures_);
         return is_zero(transmittance);
-    }
-};
-
-/// Notes every crossing of a medium's boundary, over the whole ray.
-struct Scene::CrossingCollector final : HitFilter {
-    const Scene& scene;
-    std::vector<Crossing>& crossings;
-
-    CrossingCollector(const Scene& s, std::vector<Crossing>& out) : scene(s), crossings(out) {}
-    bool accept(const Hit& hit, bool front) override {
-        crossings.push_back({hit.t, scene.region_of_instance_[hit.instance], front ? 1 : -1});
-        return false;
     }
 };
 
@@ -100,19 +89,16 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     }
     if (!features_.mesh_media)
         return;
-    out.crossings.clear();
-    CrossingCollector collector(*this, out.crossings);
-    boundaries_->intersect({ray.o, ray.d, ray.t_min, kInfinity}, &collector);
-    std::sort(out.crossings.begin(), out.crossings.end(), [](const Crossing& a, const Crossing& b) {
-        return std::tie(a.region, a.t, a.sign) < std::tie(b.region, b.t, b.sign);
-    });
-    for (auto first = out.crossings.begin(); first != out.crossings.end();) {
-        const auto last = std::find_if(first, out.crossings.end(),
-                                       [&](const Crossing& c) { return c.region != first->region; });
-        const Region& region = regions_[first->region];
-        const auto [begin, end] = media_of(region);
-        if ((region.visibility & ray_kind) != 0)
-            add_mesh_intervals(&*first, &*first + (last - first), begin, end, out);
+    find_crossings(*boundaries_, source_.instances, ray, ray_kind, out.crossings);
+    const Crossing* const end = out.crossings.data() + out.crossings.size();
+    for (const Crossing* first = out.crossings.data(); first != end;) {
+        const Crossing* const last =
+            std::find_if(first, end, [&](const Crossing& c) { return c.instance != first->instance; });
+        const auto media = media_of(regions_[region_of_instance_[first->instance]]);
+        for_each_stay(first, last, [&](const Crossing* entry, const Crossing* exit) {
+            add_intervals(media.first, media.second, entry ? entry->t : ray.t_min, exit ? exit->t : kInfinity,
+                          out);
+        });
         first = last;
     }
 }
