@@ -18,7 +18,8 @@ struct Hit {
     float t = kInfinity;
     std::uint32_t instance = ~0u;
     std::uint32_t triangle = 0;
-    float u = 0, v = 0;  ///< barycentric coordinates of corners 1 and 2
+    float u = 0, v = 0;     ///< barycentric coordinates of corners 1 and 2
+    float outside_ior = 1;  ///< index of refraction around the surface, see scene/nesting.h
 
     bool valid() const { return instance != ~0u; }
 };

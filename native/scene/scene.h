@@ -24,8 +24,8 @@ namespace nephele {
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
     PhaseFunction phase;
-    std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
-    std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+    std::string density_grid;        ///< scales sigma_s and sigma_a; empty: 1 everywhere
+    std::string emission_grid;       ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
 
@@ -47,7 +47,7 @@ struct VolumeSource {
     std::uint32_t visibility = ~0u;
     GridOptions options;
     std::vector<std::string> velocity_grids;  ///< one of vectors or three of numbers; empty: no motion blur
-    float velocity_scale = 0;                 ///< m of the file's space per frame that a value of 1 stands for
+    float velocity_scale = 0;  ///< m of the file's space per frame that a value of 1 stands for
     Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
     float random = 0, pass_index = 0;
     std::array<float, 4> color{1, 1, 1, 1};
@@ -82,6 +82,7 @@ struct SceneFeatures {
     bool surfaces = false;
     bool transparent_surfaces = false;  ///< shadow rays may pass surfaces
     bool hidden_surfaces = false;       ///< some surface is not visible to some rays
+    bool nested_dielectrics = false;    ///< some object has a dielectric priority
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
@@ -136,6 +137,12 @@ class Scene {
     struct SurfaceFilter;
     struct TransmittanceFilter;
     std::int32_t material_of(const Hit& hit) const;
+    Rgb transparency(const Hit& hit, const Ray& ray) const;
+    // scene_nesting.cpp
+    float interior_ior(const Crossing& wall, const Ray& ray, std::uint32_t ray_kind) const;
+    Hit nearest_interface(const Ray& ray, std::uint32_t ray_kind, const Hit& hit) const;
+    Rgb interface_transmittance(const Ray& ray) const;
+    void drop_priority_of_emitter(Instance& instance);
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
     void add_meshes();
@@ -154,7 +161,9 @@ class Scene {
     std::vector<Region> regions_;
     std::vector<std::uint32_t> region_of_instance_;  ///< of mesh regions; ~0 elsewhere
     std::vector<std::uint32_t> mesh_light_of_instance_;
-    std::optional<Intersector> surfaces_, boundaries_;
+    std::optional<Intersector> surfaces_;     ///< all but objects with a dielectric priority
+    std::optional<Intersector> boundaries_;   ///< meshes that bound media
+    std::optional<Intersector> dielectrics_;  ///< objects with a dielectric priority
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;
