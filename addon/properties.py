@@ -74,9 +74,9 @@ class NepheleObjectSettings(bpy.types.PropertyGroup):
     dielectric_priority: bpy.props.IntProperty(
         name="Dielectric Priority",
         description=(
-            "Where closed objects with a priority overlap, only the one of the highest is there: let water reach "
-            "a little into its glass, and give the glass the higher priority. 0: the object takes no part, and "
-            "its surface borders on air"
+            "Where closed objects with a priority overlap, only the one of the highest is there: let water "
+            "reach a little into its glass, and give the glass the higher priority. 0: the object takes no "
+            "part, and its surface borders on air"
         ),
         default=0,
         min=0,

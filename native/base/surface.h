@@ -40,6 +40,10 @@ struct ShadingPoint {
     bool backfacing = false;
     float outside_ior = 1;  ///< index of refraction around the surface: 1 but for nested dielectrics
     std::uint32_t ray_kind = kCameraRay;
+    float time = 0;  ///< of the shutter, in [0, 1]
+
+    /// Whether p is a point; the background's is a direction.
+    bool is_place() const { return instance || volume; }
 };
 
 /// A direction drawn from a BSDF.

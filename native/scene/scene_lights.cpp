@@ -72,7 +72,7 @@ void Scene::decide_features() {
     for (const Region& r : regions_)
         f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
-        f.grids |= m.density.has_value();
+        f.grids |= (m.grid || m.program);
         f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
         f.volume_emission |= !is_zero(m.emission);
     }
