@@ -61,29 +61,31 @@ inline Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Cou
 inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bool global_majorant,
                                    Rgb& beta, Rng& rng, Counters& counters) {
     Flight flight;
-    return detail::fly(
-        segment, scratch, flight, global_majorant, beta, rng, counters, [&](float t, float majorant) {
-            const float before = mean(beta), u = rng.next();
-            const auto control = detail::control_at(scratch, t, false);
-            const float p_control = std::min(mean(beta * control.sigma_t) / (before * majorant), 1.0f);
-            if (u < p_control) {
-                detail::control_at(scratch, t, true);
-                beta *= control.sigma_s / (majorant * p_control);
-                detail::meet(flight, t, control, false, before, beta, rng);
-                return false;
-            }
-            const auto residual = detail::residual_at(scratch, t, rng, counters);
-            const float p_residual =
-                std::min(mean(beta * residual.sigma_t) / (before * majorant), 1.0f - p_control);
-            if (u >= p_control + p_residual) {
-                beta *= max(Rgb(majorant) - control.sigma_t - residual.sigma_t, Rgb(0)) /
-                        (majorant * (1 - p_control - p_residual));
-                return true;
-            }
-            beta *= residual.sigma_s / (majorant * p_residual);
-            detail::meet(flight, t, residual, false, before, beta, rng);
+    const auto event = [&](float t, float majorant) {
+        const auto control = detail::control_at(scratch, t, false);
+        const Rgb above = max(Rgb(majorant) - control.sigma_t, Rgb(0));
+        // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
+        const float before = mean(beta), known = mean(beta * control.sigma_t), rest = mean(beta * above);
+        const float p_control = known / (known + rest);
+        if (rng.next() < p_control) {
+            detail::control_at(scratch, t, true);
+            beta *= control.sigma_s / (majorant * p_control);
+            detail::meet(flight, t, control, false, before, beta, rng);
             return false;
-        });
+        }
+        const auto residual = detail::residual_at(scratch, t, rng, counters);
+        const Rgb sigma_n = max(above - residual.sigma_t, Rgb(0));
+        const float real = mean(beta * residual.sigma_t), null = mean(beta * sigma_n);
+        const float p_residual = real / (real + null), scale = 1 / (majorant * (1 - p_control));
+        if (rng.next() >= p_residual) {
+            beta *= sigma_n * (scale / (1 - p_residual));
+            return true;
+        }
+        beta *= residual.sigma_s * (scale / p_residual);
+        detail::meet(flight, t, residual, false, before, beta, rng);
+        return false;
+    };
+    return detail::fly(segment, scratch, flight, global_majorant, beta, rng, counters, event);
 }
 
 }  // namespace nephele

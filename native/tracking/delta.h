@@ -13,19 +13,21 @@ namespace nephele {
 inline Flight delta_flight(const Segment& segment, TrackingScratch& scratch, bool analog,
                            bool global_majorant, Rgb& beta, Rng& rng, Counters& counters) {
     Flight flight;
-    return detail::fly(segment, scratch, flight, global_majorant, beta, rng, counters,
-                       [&](float t, float majorant) {
-                           const auto c = detail::coefficients_at(scratch, t, rng, counters);
-                           const float before = mean(beta);
-                           const float p = std::min(mean(beta * c.sigma_t) / (before * majorant), 1.0f);
-                           if (rng.next() >= p) {
-                               beta *= (Rgb(majorant) - min(c.sigma_t, Rgb(majorant))) / (majorant * (1 - p));
-                               return true;
-                           }
-                           beta *= c.sigma_s / (majorant * p);
-                           detail::meet(flight, t, c, analog, before, beta, rng);
-                           return false;
-                       });
+    const auto event = [&](float t, float majorant) {
+        const auto c = detail::coefficients_at(scratch, t, rng, counters);
+        const Rgb sigma_n = max(Rgb(majorant) - c.sigma_t, Rgb(0));
+        // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
+        const float before = mean(beta), real = mean(beta * c.sigma_t), null = mean(beta * sigma_n);
+        const float p = real / (real + null);
+        if (rng.next() >= p) {
+            beta *= sigma_n / (majorant * (1 - p));
+            return true;
+        }
+        beta *= c.sigma_s / (majorant * p);
+        detail::meet(flight, t, c, analog, before, beta, rng);
+        return false;
+    };
+    return detail::fly(segment, scratch, flight, global_majorant, beta, rng, counters, event);
 }
 
 }  // namespace nephele
