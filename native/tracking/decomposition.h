@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Weighted spectral decomposition tracking (Kutz, Habel, Li, Novak, SIGGRAPH 2017, sections 3 and 5). The
 // media are split into a control part, what their minorants say is everywhere on a piece at least, and the
-// residual rest. A candidate is a collision with the control part with probability <beta sigma_t_control> /
-// (<beta> majorant): that needs no lookup. Otherwise the density is looked up, and the candidate is a
-// collision with the residual part or none, weighted as in delta.h.
+// residual rest. At a candidate the path scatters in the control part with probability <beta sigma_s_control>
+// / <beta (sigma_s_control + majorant - sigma_t_control)>: that needs no lookup. Otherwise the density is
+// looked up, and the path scatters in the residual part or goes on, weighted as in delta.h.
 #pragma once
 
 #include "tracking/flight.h"
@@ -65,7 +65,9 @@ inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scra
         const auto control = detail::control_at(scratch, t, false);
         const Rgb above = max(Rgb(majorant) - control.sigma_t, Rgb(0));
         // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
-        const float before = mean(beta), known = mean(beta * control.sigma_t), rest = mean(beta * above);
+        const float before = mean(beta), known = mean(beta * control.sigma_s), rest = mean(beta * above);
+        if (known + rest == 0)
+            return detail::absorb(flight, t);
         const float p_control = known / (known + rest);
         if (rng.next() < p_control) {
             detail::control_at(scratch, t, true);
@@ -75,7 +77,9 @@ inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scra
         }
         const auto residual = detail::residual_at(scratch, t, rng, counters);
         const Rgb sigma_n = max(above - residual.sigma_t, Rgb(0));
-        const float real = mean(beta * residual.sigma_t), null = mean(beta * sigma_n);
+        const float real = mean(beta * residual.sigma_s), null = mean(beta * sigma_n);
+        if (real + null == 0)
+            return detail::absorb(flight, t);
         const float p_residual = real / (real + null), scale = 1 / (majorant * (1 - p_control));
         if (rng.next() >= p_residual) {
             beta *= sigma_n * (scale / (1 - p_residual));

@@ -116,6 +116,13 @@ inline void meet(Flight& flight, float t, const Coefficients& c, bool analog, fl
         flight.event = Flight::Event::absorbed;
 }
 
+/// The path ends at t; for the loop: it does not go on.
+inline bool absorb(Flight& flight, float t) {
+    flight.t = t;
+    flight.event = Flight::Event::absorbed;
+    return false;
+}
+
 /// The loop of all methods. `event(t, majorant)` decides what happens at a candidate: it updates beta and the
 /// flight, and returns whether the path goes on.
 template <class Event>
