@@ -55,6 +55,15 @@ std::vector<Case> cases() {
              line.add({0.03f, 0.03f, 0.03f}, {0.01f, 0.01f, 0.01f}, 5, 45);
              return line;
          }},
+        {"absorbers",
+         [] {
+             Line line(slanted());
+             line.add(Rgb(0), {0.01f, 0.03f, 0.1f}, 5, 45);
+             line.add(Rgb(0), Rgb(0.02f), 0, 20);
+             line.add(Rgb(0.01f), Rgb(0.01f), 10, 30);
+             line.add(Rgb(0), {0.05f, 0.02f, 0}, 0, 50, field_of(kVoxels, bumps));
+             return line;
+         }},
         {"homogeneous_chromatic",
          [] {
              Line line(slanted());
