@@ -2,12 +2,13 @@
 """Objects: walks the depsgraph's instances and sorts them into meshes, lights and volumes."""
 
 from .. import description
-from .hash import hash_pair, hash_text
+from .fluids import export_fluid, fluid_domain
+from .hash import random_number
 from .lights import export_light
 from .mesh import MeshRecord
 from .nodes_input import ray_bits
 from .space import matrix4
-from .volumes import export_fluid, export_volume, fluid_domain
+from .volumes import export_volume
 
 CONVERTIBLE = {"CURVE", "FONT", "SURFACE", "META"}  # shown as the mesh that Blender makes of them
 UNSEEN = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
@@ -174,13 +175,6 @@ class Objects:
         self._checked.add(item.original.as_pointer())
         for text in unsupported_features(item, self._context):
             self._context.warn(f"object '{item.name}': {text}")
-
-
-def random_number(instance):
-    """Returns Object Info's Random in [0, 1]: Blender's for instances, from the name for other objects, as in
-    Cycles."""
-    bits = instance.random_id if instance.is_instance else hash_pair(hash_text(instance.object.name), 0)
-    return (bits & 0xFFFFFFFF) / 0xFFFFFFFF
 
 
 def unsupported_features(item, context):

@@ -66,9 +66,11 @@ void Scene::add_volume(const VolumeSource& volume) {
     const std::vector<VolumeClosure>& closures = source_.materials.at(volume.material).volume;
     bool first = true;
     for (const std::string& name : grids_to_load(volume)) {
-        const LoadedGrid loaded = load_grid(volume.path, name);
+        const LoadedGrid loaded = load_grid(volume.path, name, volume.options);
         for (const std::string& w : loaded.warnings)
             warnings_.push_back("volume '" + volume.name + "': " + w);
+        if (!loaded.grid)
+            continue;
         std::vector<VolumeClosure> mine;  // those that read this grid; constants go with the first
         float sigma = 0;
         bool read = false;
