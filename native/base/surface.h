@@ -39,6 +39,7 @@ struct ShadingPoint {
     const VolumeFields* volume = nullptr;  ///< grids that a volume's program reads; null elsewhere
     bool backfacing = false;
     std::uint32_t ray_kind = kCameraRay;
+    float time = 0;  ///< of the shutter, in [0, 1]
 };
 
 /// A direction drawn from a BSDF.

@@ -58,6 +58,21 @@ void matrix(nb::handle object, const char* attribute, double (&out)[16]) {
     std::copy(view.data(), view.data() + 16, out);
 }
 
+/// Matrices over the shutter, (S, 4, 4); none where the attribute is None.
+std::vector<std::array<double, 16>> motion_matrices(nb::handle object) {
+    std::vector<std::array<double, 16>> out;
+    const nb::object motion = object.attr("motion");
+    if (motion.is_none())
+        return out;
+    nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu> view;
+    if (!nb::try_cast(motion, view, true))
+        bad_array("motion", "S x 4 x 4 float64");
+    out.resize(view.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i)
+        std::copy(view.data() + 16 * i, view.data() + 16 * (i + 1), out[i].begin());
+    return out;
+}
+
 template <class Enum>
 Enum choice(nb::handle object, const char* attribute,
             std::initializer_list<std::pair<std::string_view, Enum>> items) {
@@ -139,14 +154,10 @@ VolumeClosure volume_closure(nb::handle c) {
         const nb::object name = c.attr(attribute);
         return name.is_none() ? std::string() : nb::cast<std::string>(name);
     };
-    VolumeClosure out{rgb(c, "sigma_s"),
-                      rgb(c, "sigma_a"),
-                      rgb(c, "emission"),
-                      phase_function(c.attr("phase")),
-                      grid("density_grid"),
-                      grid("emission_grid"),
-                      program(c.attr("program")),
-                      {}};
+    VolumeClosure out{rgb(c, "sigma_s"),          rgb(c, "sigma_a"),
+                      rgb(c, "emission"),         phase_function(c.attr("phase")),
+                      grid("density_grid"),       grid("emission_grid"),
+                      program(c.attr("program")), {}};
     for (nb::handle name : nb::borrow<nb::object>(c.attr("grids")))
         out.grids.push_back(nb::cast<std::string>(name));
     return out;
@@ -181,6 +192,10 @@ Mesh mesh(nb::handle m) {
     out.positions = floats(m, "positions");
     out.triangles = integers(m, "triangles");
     out.corner_normals = floats(m, "corner_normals");
+    out.motion_positions = floats(m, "motion");
+    out.motion_normals = floats(m, "motion_normals");
+    if (!out.positions.empty())
+        out.motion_steps = out.motion_positions.size() / out.positions.size();
     const auto arrays = [&](const char* attribute) {
         return list<Buffer<float>>(m, attribute,
                                    [&](nb::handle a) { return buffer<float>(a, attribute, "float32"); });
@@ -209,6 +224,8 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     matrix(i, "world_from_object", m);
     out.world_from_object = transform_of(m);
     out.object_from_world = inverse_of(m);
+    if (const auto motion = motion_matrices(i); !motion.empty())
+        out.motion = Motion(motion);
     for (nb::handle material : nb::borrow<nb::object>(i.attr("materials"))) {
         const auto number = nb::cast<std::int32_t>(material);
         if (number < -1 || number >= static_cast<std::int32_t>(material_count)) {
@@ -301,6 +318,7 @@ CameraDescription camera(nb::handle c) {
     out.kind =
         choice<Kind>(c, "kind", {{"perspective", Kind::perspective}, {"orthographic", Kind::orthographic}});
     matrix(c, "world_from_camera", out.world_from_camera);
+    out.motion = motion_matrices(c);
     const nb::object viewplane = c.attr("viewplane");
     out.left = nb::cast<double>(viewplane[0]);
     out.right = nb::cast<double>(viewplane[1]);

@@ -52,6 +52,7 @@ RTCRay rtc_ray(const Ray& r) {
     ray.dir_x = r.d.x, ray.dir_y = r.d.y, ray.dir_z = r.d.z;
     ray.tnear = r.t_min;
     ray.tfar = r.t_max;
+    ray.time = r.time;
     ray.mask = ~0u;
     return ray;
 }
@@ -81,7 +82,7 @@ void check(RTCDevice device, const char* what) {
 struct Intersector::Impl {
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
-    std::vector<RTCScene> shared;  ///< one per mesh that several instances use
+    std::vector<RTCScene> shared;  ///< one per mesh that moves or that several instances use
     std::atomic<std::ptrdiff_t> memory{0};
     std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
     std::vector<bool>
@@ -117,19 +118,24 @@ struct Intersector::Impl {
         return scene;
     }
 
-    RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count) {
+    /// A mesh in its own space, moving or not.
+    RTCGeometry own_triangles(const Mesh& mesh) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        if (vertices == mesh.positions.data()) {
+        const std::size_t floats = mesh.positions.size(), steps = std::max<std::size_t>(mesh.motion_steps, 1);
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
+        const float* vertices = mesh.deforms() ? mesh.motion_positions.data() : mesh.positions.data();
+        for (std::size_t i = 0; i < steps; ++i) {
             // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array:
             // copy.
-            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                 vertex_count);
+            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(i),
+                                                 RTC_FORMAT_FLOAT3, 12, floats / 3);
             if (copy != nullptr)
-                std::copy(vertices, vertices + 3 * vertex_count, static_cast<float*>(copy));
-        } else {
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
-                                       12, vertex_count);
+                std::copy(vertices + i * floats, vertices + (i + 1) * floats, static_cast<float*>(copy));
         }
+        return finished(geometry, mesh);
+    }
+
+    RTCGeometry finished(RTCGeometry geometry, const Mesh& mesh) {
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    mesh.triangles.data(), 0, 12, mesh.triangle_count());
 #if NEPHELE_EMBREE_MAJOR >= 4
@@ -138,28 +144,40 @@ struct Intersector::Impl {
         return geometry;
     }
 
-    /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance
-    /// would.
+    /// A mesh used once that stands still: its vertices are placed in the world, which makes queries cheaper
+    /// than an instance would.
     RTCGeometry place(const Mesh& mesh, const Transform& world_from_object) {
         const std::size_t count = mesh.positions.size() / 3;
         std::vector<float>& out =
-            placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
+            placed.emplace_back(3 * count + 1);  // one float of padding, see own_triangles()
         for (std::size_t i = 0; i < count; ++i) {
             const float* p = mesh.positions.data() + 3 * i;
             const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
             out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
         }
-        return triangles(mesh, out.data(), count);
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, out.data(), 0, 12,
+                                   count);
+        return finished(geometry, mesh);
     }
 
-    RTCGeometry instance(RTCScene scene, const Transform& m) {
+    RTCGeometry instance(RTCScene scene, const Instance& placed_mesh) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, scene);
+        const std::vector<Transform>& steps = placed_mesh.motion.steps();
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(std::max<std::size_t>(steps.size(), 1)));
+        if (!placed_mesh.motion.moves())
+            set_transform(geometry, 0, placed_mesh.world_from_object);
+        for (std::size_t i = 0; i < steps.size(); ++i)
+            set_transform(geometry, static_cast<unsigned>(i), steps[i]);
+        return geometry;
+    }
+
+    static void set_transform(RTCGeometry geometry, unsigned step, const Transform& m) {
         const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x,
                                 m.row[1].x, m.row[1].y, m.row[1].z, m.translation.y,
                                 m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
-        return geometry;
+        rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
     }
 
     static void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
@@ -180,7 +198,7 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
     for (const std::uint32_t i : used) {
         const Instance& instance = instances[i];
         const Mesh& mesh = meshes[instance.mesh];
-        if (uses[instance.mesh] == 1) {
+        if (uses[instance.mesh] == 1 && !instance.motion.moves() && !mesh.deforms()) {
             impl_->flipped[i] = instance.mirrored();
             Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object), i);
             continue;
@@ -188,10 +206,10 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
         RTCScene& scene = shared[instance.mesh];
         if (scene == nullptr) {
             scene = impl_->shared.emplace_back(impl_->new_scene());
-            Impl::attach(scene, impl_->triangles(mesh, mesh.positions.data(), mesh.positions.size() / 3), 0);
+            Impl::attach(scene, impl_->own_triangles(mesh), 0);
             rtcCommitScene(scene);
         }
-        Impl::attach(impl_->top, impl_->instance(scene, instance.world_from_object), i);
+        Impl::attach(impl_->top, impl_->instance(scene, instance), i);
     }
     rtcCommitScene(impl_->top);
     check(impl_->device, "build the ray tracing hierarchy");

@@ -19,9 +19,11 @@ void check_mesh(const Mesh& mesh) {
         if (i < 0 || i >= vertices)
             throw std::invalid_argument("a triangle names a vertex that does not exist");
     }
-    for (const float x : mesh.positions) {
-        if (!std::isfinite(x))
-            throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
+    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
+        for (const float x : *positions) {
+            if (!std::isfinite(x))
+                throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
+        }
     }
     const std::size_t n = mesh.triangle_count();
     const auto fits = [](std::size_t size, std::size_t wanted) { return size == 0 || size == wanted; };
@@ -30,6 +32,14 @@ void check_mesh(const Mesh& mesh) {
         good &= uv.size() == 6 * n;
     for (const auto& attribute : mesh.attributes)
         good &= attribute.size() == 12 * n;
+    if (!mesh.motion_positions.empty() || !mesh.motion_normals.empty()) {
+        const std::size_t steps = mesh.motion_steps;
+        if (mesh.motion_positions.size() != steps * mesh.positions.size() ||
+            !fits(mesh.motion_normals.size(), steps * mesh.corner_normals.size()))
+            throw std::invalid_argument("its motion has another number of vertices");
+        if (steps < 2 || steps > kMaxMotionSteps)
+            throw std::invalid_argument("its motion must have 2 to 129 steps");
+    }
     if (!good)
         throw std::invalid_argument("an array does not have one entry per triangle corner");
 }

@@ -24,8 +24,8 @@ namespace nephele {
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
     PhaseFunction phase;
-    std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
-    std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+    std::string density_grid;        ///< scales sigma_s and sigma_a; empty: 1 everywhere
+    std::string emission_grid;       ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
 
@@ -47,7 +47,7 @@ struct VolumeSource {
     std::uint32_t visibility = ~0u;
     GridOptions options;
     std::vector<std::string> velocity_grids;  ///< one of vectors or three of numbers; empty: no motion blur
-    float velocity_scale = 0;                 ///< m of the file's space per frame that a value of 1 stands for
+    float velocity_scale = 0;  ///< m of the file's space per frame that a value of 1 stands for
     Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
     float random = 0, pass_index = 0;
     std::array<float, 4> color{1, 1, 1, 1};
@@ -85,6 +85,7 @@ struct SceneFeatures {
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
+    bool motion = false;  ///< something moves while the shutter is open: paths have a time
 
     /// Names of the features that are there (present) or left out.
     std::vector<std::string> list(bool present) const;
