@@ -1,87 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures lookups in brick grids and steps through majorant grids, in nanoseconds, one thread.
+// Measures lookups in brick grids, in nanoseconds, one thread. (Walks: accelerators.cpp.)
 //
-//     grid_lookup FILE.vdb GRID [OPTICAL_THICKNESS]    a grid of a file
-//     grid_lookup                                      a procedural cloud of 512^3 voxels
+//     grid_lookup FILE.vdb GRID    a grid of a file
+//     grid_lookup                  a procedural cloud of 512^3 voxels
 //
-// Rays cross the grid's box in uniformly random directions; points lie in order along them, as a tracker
-// visits them. OPTICAL_THICKNESS is that of the box's longest edge at the grid's largest value.
+// Points lie in order along random rays through the grid's box, as a tracker visits them.
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <vector>
 
-#include "math/sampler.h"
-#include "math/warp.h"
+#include "grid_rays.h"
 #include "grids/brick_grid.h"
-#include "grids/majorant_grid.h"
 #include "grids/vdb_file.h"
+#include "math/sampler.h"
 
 namespace {
 
 using namespace nephele;
-
-struct IndexRay {
-    Vec3f o, d;
-    float length;
-};
-
-/// Processor time of this thread: other programs disturb it least.
-template <typename F>
-double seconds(const F& f) {
-    const auto now = [] {
-        timespec t{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-        return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-    };
-    const double start = now();
-    f();
-    return now() - start;
-}
-
-std::shared_ptr<const BrickGrid> procedural_cloud(VoxelType type) {
-    constexpr int kSize = 512;
-    BrickGridBuilder builder({{0, 0, 0}, {kSize - 1, kSize - 1, kSize - 1}}, 0, type,
-                             (kSize / 8) * (kSize / 8) * (kSize / 8));
-    float brick[BrickGrid::kBrickVoxels];
-    std::int64_t active = 0;
-    for (int x = 0; x < kSize; x += 8) {
-        for (int y = 0; y < kSize; y += 8) {
-            for (int z = 0; z < kSize; z += 8) {
-                for (int v = 0; v < BrickGrid::kBrickVoxels; ++v) {
-                    const Vec3f p =
-                        Vec3f(static_cast<float>(x + (v >> 6)), static_cast<float>(y + (v >> 3 & 7)),
-                              static_cast<float>(z + (v & 7))) *
-                        (1.0f / kSize);
-                    const float r = length(p - Vec3f(0.5f));
-                    const float ripple = std::sin(40 * p.x) * std::sin(37 * p.y) * std::sin(43 * p.z);
-                    brick[v] = std::max(0.0f, 0.45f - r + 0.2f * ripple);
-                    active += brick[v] > 0;
-                }
-                builder.set_brick({x, y, z}, brick);
-            }
-        }
-    }
-    return builder.finish(active, {{0, 0, 0}, {kSize - 1, kSize - 1, kSize - 1}});
-}
-
-std::vector<IndexRay> random_rays(const IndexBox& box, int count) {
-    Rng rng(1);
-    std::vector<IndexRay> rays;
-    Vec3f lo, size;
-    for (int a = 0; a < 3; ++a) {
-        lo[a] = static_cast<float>(box.min[static_cast<std::size_t>(a)]);
-        size[a] =
-            static_cast<float>(box.max[static_cast<std::size_t>(a)] - box.min[static_cast<std::size_t>(a)]);
-    }
-    for (int n = 0; n < count; ++n) {
-        const auto inside = [&] { return lo + size * Vec3f(rng.next(), rng.next(), rng.next()); };
-        const Vec3f a = inside(), b = inside(), d = normalize(b - a);
-        rays.push_back({a - d * length(size), d, 2 * length(size)});
-    }
-    return rays;
-}
+using namespace nephele::bench;
 
 /// Points in order along rays, only those inside the box.
 std::vector<Vec3f> points_along(const std::vector<IndexRay>& rays, const IndexBox& box, float spacing) {
@@ -125,72 +62,11 @@ void measure_lookups(const BrickGrid& grid) {
     report("stochastic",
            [&](Vec3f p) { return grid.stochastic(p, Vec3f(rng.next(), rng.next(), rng.next())); });
     report("trilinear", [&](Vec3f p) { return grid.trilinear(p); });
+    report("nearest", [&](Vec3f p) { return grid.nearest(p); });
+    report("tricubic, stochastic",
+           [&](Vec3f p) { return grid.stochastic_tricubic(p, Vec3f(rng.next(), rng.next(), rng.next())); });
+    report("tricubic", [&](Vec3f p) { return grid.tricubic(p); });
     std::printf("  (checksum %g over %zu points)\n", sum, points.size());
-}
-
-void measure_walk(const BrickGrid& grid, float thickness) {
-    float edge = 0, largest = 0;
-    for (std::size_t a = 0; a < 3; ++a)
-        edge = std::max(edge, static_cast<float>(grid.bounds().max[a] - grid.bounds().min[a] + 1));
-    largest = MajorantGrid(grid, 1).global_majorant();
-    const float sigma_scale = thickness / (edge * largest);
-    std::unique_ptr<MajorantGrid> majorants;
-    const double build = seconds([&] { majorants = std::make_unique<MajorantGrid>(grid, sigma_scale); });
-    const std::vector<IndexRay> rays = random_rays(grid.bounds(), 100000);
-    double steps = 0, tau = 0, set_up = 1e9, walk = 1e9, track = 1e9, candidates = 0, sum = 0;
-    for (int repeat = 0; repeat < 3; ++repeat) {
-        set_up = std::min(set_up, seconds([&] {
-                              for (const IndexRay& ray : rays)
-                                  sum += static_cast<double>(
-                                      MajorantWalk(*majorants, ray.o, ray.d, 0, ray.length).point(1).x);
-                          }));
-        steps = tau = 0;
-        walk = std::min(walk, seconds([&] {
-                            for (const IndexRay& ray : rays) {
-                                MajorantWalk walk_of_ray(*majorants, ray.o, ray.d, 0, ray.length);
-                                MajorantPiece piece;
-                                float t = 0;
-                                while (walk_of_ray.next(piece)) {
-                                    tau +=
-                                        static_cast<double>((piece.t_end - t) * piece.majorant * sigma_scale);
-                                    t = piece.t_end;
-                                    steps += 1;
-                                }
-                            }
-                        }));
-        candidates = 0;
-        Rng rng(4);
-        track = std::min(track, seconds([&] {  // ratio tracking to the end
-                             for (const IndexRay& ray : rays) {
-                                 MajorantWalk walk_of_ray(*majorants, ray.o, ray.d, 0, ray.length);
-                                 MajorantPiece piece;
-                                 float t = 0, transmittance = 1, depth = rng.next_exponential();
-                                 while (walk_of_ray.next(piece)) {
-                                     const float rate = piece.majorant * sigma_scale;
-                                     while ((piece.t_end - t) * rate > depth) {
-                                         t += depth / rate;
-                                         depth = rng.next_exponential();
-                                         const Vec3f p = walk_of_ray.point(t);
-                                         const float value =
-                                             grid.stochastic(p, Vec3f(rng.next(), rng.next(), rng.next()));
-                                         transmittance *= 1 - value / piece.majorant;
-                                         candidates += 1;
-                                     }
-                                     depth -= (piece.t_end - t) * rate;
-                                     t = piece.t_end;
-                                 }
-                                 sum += static_cast<double>(transmittance);
-                             }
-                         }));
-    }
-    const auto n = static_cast<double>(rays.size());
-    std::printf(
-        "  thickness %-8g build %.1f ms, %.1f KiB; set-up %.1f ns; %.1f pieces a ray, %.1f ns each; majorant "
-        "depth %.2f a "
-        "ray, %.1f candidates, %.1f ns each (checksum %g)\n",
-        static_cast<double>(thickness), build * 1e3, static_cast<double>(majorants->bytes()) / 1024,
-        set_up * 1e9 / n, steps / n, (walk - set_up) * 1e9 / steps, tau / n, candidates / n,
-        candidates > 0 ? (track - walk) * 1e9 / candidates : 0, sum);
 }
 
 void describe(const BrickGrid& grid) {
@@ -211,8 +87,6 @@ int main(int argc, char** argv) {
         const auto run = [&](const BrickGrid& grid) {
             describe(grid);
             measure_lookups(grid);
-            for (const float thickness : {0.1f, 1.0f, 10.0f, 100.0f, 1000.0f})
-                measure_walk(grid, thickness);
         };
         if (argc >= 3) {
             LoadedGrid loaded;

@@ -19,6 +19,7 @@ from .context import ExportError
 from .hash import random_number
 from .motion import frames_per_second, is_blurred
 from .space import matrix4, scaling, translation
+from .volume_grids import domain_grids
 
 MANTA_TIME_PER_SECOND = 2.5
 NOISE_SUFFIX = "_noise"  # of the names of the high-resolution grids
@@ -65,7 +66,7 @@ def export_fluid(context, instance, settings, material, visibility):
         name=item.name,
         path=file,
         world_from_object=matrix4(instance.matrix_world) @ object_from_cache(item, voxel),
-        material=material,
+        material=context.material_number(material, domain_grids(settings))[0],
         visibility=visibility,
         clipping=settings.clipping,
         velocity_grids=("velocity",) if is_blurred(context, instance) else (),

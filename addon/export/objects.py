@@ -70,11 +70,11 @@ class Objects:
             self.lights.append(export_light(self._context, instance, visibility))
         elif item.type == "VOLUME":
             self.tracks.add("volume", len(self.volumes), instance)
-            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            material = self._material(instance, source)
             self._append_volume(export_volume(self._context, instance, source, material, visibility))
         elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
             self.tracks.add("volume", len(self.volumes), instance)
-            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            material = self._material(instance, source)
             self._append_volume(export_fluid(self._context, instance, domain, material, visibility))
         elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
             self._add_mesh(instance, source, visibility)

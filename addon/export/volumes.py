@@ -14,6 +14,7 @@ from .context import ExportError
 from .hash import random_number
 from .motion import is_blurred, velocity_grids, velocity_scale
 from .space import matrix4
+from .volume_grids import volume_grids
 
 PRECISIONS = {"FULL": "full", "HALF": "half", "VARIABLE": "file"}
 
@@ -22,8 +23,8 @@ def export_volume(context, instance, source, material, visibility):
     """Returns the description.Volume of an instance of a Volume object, or None for one that is empty at this
     frame.
 
-    source: the object that owns the data, or None for data made by Geometry Nodes. Raises ExportError where
-    its file cannot be read.
+    source: the object that owns the data, or None for data made by Geometry Nodes. material: Blender's.
+    Raises ExportError where its file cannot be read.
     """
     name, data = instance.object.name, instance.object.data
     if data.is_sequence and _outside_sequence(data, context.scene.frame_current):
@@ -47,7 +48,7 @@ def export_volume(context, instance, source, material, visibility):
         name=name,
         path=path,
         world_from_object=world_from_object,
-        material=material,
+        material=context.material_number(material, volume_grids(data))[0],
         density_scale=density_scale(data.render.space, world_from_object),
         visibility=visibility,
         clipping=data.render.clipping,

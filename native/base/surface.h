@@ -40,6 +40,9 @@ struct ShadingPoint {
     bool backfacing = false;
     std::uint32_t ray_kind = kCameraRay;
     float time = 0;  ///< of the shutter, in [0, 1]
+
+    /// Whether p is a point; the background's is a direction.
+    bool is_place() const { return instance || volume; }
 };
 
 /// A direction drawn from a BSDF.

@@ -74,6 +74,39 @@ void BrickGrid::read_brick(std::int32_t brick, float* out) const {
         out[v] = half_to_float(halves_[first + v]);
 }
 
+float BrickGrid::tricubic(Vec3f p) const {
+    const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
+    const std::uint32_t x = static_cast<std::uint32_t>(i - 1) - origin_[0];
+    const std::uint32_t y = static_cast<std::uint32_t>(j - 1) - origin_[1];
+    const std::uint32_t z = static_cast<std::uint32_t>(k - 1) - origin_[2];
+    std::size_t first = 0;
+    const bool one_cell = inside(x, y, z) && (x & 7) < 5 && (y & 7) < 5 && (z & 7) < 5;
+    if (one_cell) {
+        const std::int32_t e = entry(x, y, z);
+        if (e < 0)
+            return constants_[static_cast<std::size_t>(~e)];
+        first = static_cast<std::size_t>(e) * kBrickVoxels + voxel_in_brick(x, y, z);
+    }
+    const auto spans = [](float f) { return cubic_spans(std::max(0.0f, std::min(1.0f, f))); };
+    const CubicSpans sx = spans(p.x - static_cast<float>(i)), sy = spans(p.y - static_cast<float>(j)),
+                     sz = spans(p.z - static_cast<float>(k));
+    const auto along = [](const CubicSpans& s, const float* v) {
+        return lerp(lerp(v[0], v[1], s.low), lerp(v[2], v[3], s.high), s.upper);
+    };
+    float planes[4];
+    for (std::uint32_t a = 0; a < 4; ++a) {
+        float rows[4];
+        for (std::uint32_t b = 0; b < 4; ++b) {
+            float v[4];
+            for (std::uint32_t c = 0; c < 4; ++c)
+                v[c] = one_cell ? voxel(first + (a << 6 | b << 3 | c)) : lookup_table(x + a, y + b, z + c);
+            rows[b] = along(sz, v);
+        }
+        planes[a] = along(sy, rows);
+    }
+    return along(sx, planes);
+}
+
 // --- BrickGridBuilder
 // -------------------------------------------------------------------------------------------
 

@@ -25,6 +25,7 @@
 #include <immintrin.h>
 #endif
 
+#include "grids/filter.h"
 #include "math/vec.h"
 
 namespace nephele {
@@ -79,6 +80,16 @@ class BrickGrid {
     /// The voxel at a random corner of p's interpolation cell; its expectation over u in [0,1)^3 is
     /// `trilinear(p)`.
     float stochastic(Vec3f p_index, Vec3f u) const;
+    /// The voxel nearest to a point; halfway between two, the upper one.
+    float nearest(Vec3f p_index) const;
+    /// Cubic B-spline through the 4^3 voxels around a point, see filter.h.
+    float tricubic(Vec3f p_index) const;
+    /// One of those voxels at random; its expectation over u in [0,1)^3 is `tricubic(p)`.
+    float stochastic_tricubic(Vec3f p_index, Vec3f u) const;
+    /// The filter's value at a point.
+    float evaluate(Filter filter, Vec3f p_index) const;
+    /// One voxel, whose expectation over u in [0,1)^3 is `evaluate(filter, p)`.
+    float stochastic(Filter filter, Vec3f p_index, Vec3f u) const;
 
     float background() const { return background_; }
     VoxelType voxel_type() const { return halves_ ? VoxelType::half_float : VoxelType::single_float; }
@@ -202,6 +213,31 @@ inline float BrickGrid::stochastic(Vec3f p, Vec3f u) const {
     const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
     return lookup(i + (u.x < p.x - static_cast<float>(i)), j + (u.y < p.y - static_cast<float>(j)),
                   k + (u.z < p.z - static_cast<float>(k)));
+}
+
+inline float BrickGrid::nearest(Vec3f p) const {
+    const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
+    return lookup(i + (p.x - static_cast<float>(i) >= 0.5f), j + (p.y - static_cast<float>(j) >= 0.5f),
+                  k + (p.z - static_cast<float>(k) >= 0.5f));
+}
+
+inline float BrickGrid::stochastic_tricubic(Vec3f p, Vec3f u) const {
+    const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
+    return lookup(i + pick_cubic_offset(p.x - static_cast<float>(i), u.x),
+                  j + pick_cubic_offset(p.y - static_cast<float>(j), u.y),
+                  k + pick_cubic_offset(p.z - static_cast<float>(k), u.z));
+}
+
+inline float BrickGrid::stochastic(Filter filter, Vec3f p, Vec3f u) const {
+    if (filter == Filter::trilinear)
+        return stochastic(p, u);
+    return filter == Filter::nearest ? nearest(p) : stochastic_tricubic(p, u);
+}
+
+inline float BrickGrid::evaluate(Filter filter, Vec3f p) const {
+    if (filter == Filter::trilinear)
+        return trilinear(p);
+    return filter == Filter::nearest ? nearest(p) : tricubic(p);
 }
 
 inline float BrickGrid::trilinear(Vec3f p) const {

@@ -25,6 +25,7 @@ struct Crossing {
 /// The intervals of one ray, with scratch memory that is reused from ray to ray.
 struct Segment {
     Ray ray;
+    std::uint32_t ray_kind = kCameraRay;
     std::vector<Interval> intervals;
     std::vector<Crossing> crossings;  ///< scratch
 

@@ -44,42 +44,17 @@ void check_mesh(const Mesh& mesh) {
         throw std::invalid_argument("an array does not have one entry per triangle corner");
 }
 
-/// One medium per closure; closures of the same field and phase function are one medium.
-void merge_closures(std::vector<Medium>& media, std::size_t first, Medium medium) {
-    for (std::size_t i = first; i < media.size(); ++i) {
-        Medium& m = media[i];
-        const bool same_field = m.density.has_value() == medium.density.has_value() &&
-                                m.density_scales_emission == medium.density_scales_emission &&
-                                (!m.density || m.density->grid == medium.density->grid);
-        if (!same_field || !(m.phase == medium.phase))
-            continue;
-        m.sigma_s += medium.sigma_s;
-        m.sigma_t += medium.sigma_t;
-        m.emission += medium.emission;
-        return;
-    }
-    media.push_back(std::move(medium));
-}
-
-void check_closure(const VolumeClosure& c) {
-    for (const Rgb& v : {c.sigma_s, c.sigma_a, c.emission}) {
-        if (!is_finite(v) || min_component(v) < 0) {
-            throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
-        }
-    }
-    if (c.phase.kind == PhaseKind::henyey_greenstein && !(std::fabs(c.phase.a) < 1))
-        throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
-}
-
 }  // namespace
 
-Scene::Scene(SceneSource source) : source_(std::move(source)) {
+Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(source)), settings_(settings) {
     camera_.emplace(source_.camera);
     textures_ = {source_.images,
                  inverse_of(source_.camera.world_from_camera),
                  {static_cast<float>(source_.camera.left), static_cast<float>(source_.camera.right),
                   static_cast<float>(source_.camera.bottom), static_cast<float>(source_.camera.top)},
-                 !camera_->perspective()};
+                 !camera_->perspective(),
+                 Vec3f(static_cast<float>(source_.origin[0]), static_cast<float>(source_.origin[1]),
+                       static_cast<float>(source_.origin[2]))};
     for (const Material& m : source_.materials) {
         if (m.surface)
             naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });
@@ -87,33 +62,11 @@ Scene::Scene(SceneSource source) : source_(std::move(source)) {
     }
     if (source_.world.background)
         naming("world", [&] { validate(*source_.world.background, source_.images.size()); });
-    add_region(Region("world", Region::Kind::world, source_.world.visibility), source_.world.volume, 1,
-               std::nullopt);
     add_meshes();
+    add_world_region();
     add_volumes();
     add_lights();
     decide_features();
-}
-
-void Scene::add_region(Region region, const std::vector<VolumeClosure>& closures, float scale,
-                       const std::optional<DensityField>& field) {
-    region.media_begin = static_cast<std::uint32_t>(media_.size());
-    for (const VolumeClosure& c : closures) {
-        naming(region.name, [&] { check_closure(c); });
-        Medium medium{region.name,
-                      static_cast<std::uint32_t>(regions_.size()),
-                      c.sigma_s * scale,
-                      (c.sigma_s + c.sigma_a) * scale,
-                      c.emission * scale,
-                      c.phase,
-                      c.grid().empty() ? std::nullopt : field,
-                      !c.emission_grid.empty()};
-        if (medium.interacts() || !is_zero(medium.emission))
-            merge_closures(media_, region.media_begin, std::move(medium));
-    }
-    region.media_end = static_cast<std::uint32_t>(media_.size());
-    if (region.media_begin != region.media_end)
-        regions_.push_back(std::move(region));
 }
 
 void Scene::add_meshes() {
@@ -122,7 +75,7 @@ void Scene::add_meshes() {
     std::vector<std::uint32_t> surfaces, boundaries;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
-        const Instance& instance = source_.instances[i];
+        Instance& instance = source_.instances[i];
         const auto has = [&](auto test) {
             return std::any_of(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
@@ -138,13 +91,16 @@ void Scene::add_meshes() {
             });
         const std::vector<VolumeClosure>& closures =
             source_.materials[static_cast<std::size_t>(*slot)].volume;
-        const std::size_t before = regions_.size();
-        std::vector<VolumeClosure> constant = closures;
-        for (VolumeClosure& c : constant) {  // a mesh has no grids: the factor is 1
-            c.density_grid.clear();
-            c.emission_grid.clear();
+        const bool varies = std::any_of(closures.begin(), closures.end(),
+                                        [](const VolumeClosure& c) { return c.program.has_value(); });
+        if (varies && instance.motion.moves()) {
+            warnings_.push_back("object '" + instance.name +
+                                "': it moves, and its volume shader varies from place to place; it is not "
+                                "blurred");
+            instance.motion = {};
         }
-        add_region(Region(instance.name, Region::Kind::mesh, instance.visibility), constant, 1, std::nullopt);
+        const std::size_t before = regions_.size();
+        naming(instance.name, [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)
             continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);

@@ -3,6 +3,7 @@
 // what rendering needs: ray tracing hierarchies, grids with their majorants, light distributions.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,6 +29,7 @@ struct VolumeClosure {
     std::string emission_grid;       ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
+    bool program_has_phase = true;   ///< else `phase` stands
 
     const std::string& grid() const { return density_grid.empty() ? emission_grid : density_grid; }
 };
@@ -68,6 +70,7 @@ struct SceneSource {
     std::vector<Image> images;
     std::vector<LampDescription> lamps;
     WorldSource world;
+    std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
 };
 
@@ -91,6 +94,12 @@ struct SceneFeatures {
     std::vector<std::string> list(bool present) const;
 };
 
+/// A volume object as programs see it.
+struct VolumeObject {
+    Instance instance;
+    Mesh mesh;  ///< without triangles: the box of generated coordinates
+};
+
 /// A grid that was loaded, for statistics.
 struct GridUse {
     std::string volume, path, grid;
@@ -101,7 +110,7 @@ class Scene {
   public:
     /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at
     /// fault.
-    explicit Scene(SceneSource source);
+    explicit Scene(SceneSource source, const Settings& settings = {});
 
     const SceneFeatures& features() const { return features_; }
     const Camera& camera() const { return *camera_; }
@@ -143,14 +152,23 @@ class Scene {
     void add_meshes();
     void add_volumes();
     void add_lights();
-    /// Adds a region with one medium per closure; `field` scales those that name a grid.
-    void add_region(Region region, const std::vector<VolumeClosure>& closures, float scale,
-                    const std::optional<DensityField>& field);
-    void add_volume(const VolumeSource& volume);
-    std::vector<std::string> grids_to_load(const VolumeSource& volume);
+    // scene_media.cpp
+    Medium constant_medium(const VolumeClosure& closure, float scale) const;
+    Medium program_medium(const VolumeClosure& closure, float scale, VolumeFields fields,
+                          const ShadingPoint& place, const BoundsFrame& frame);
+    BoundsOptions bounds_options() const;
+    std::span<const ImageBounds> image_bounds();
+    /// Adds a region with its media; those that vary and scatter alike become one.
+    void add_region(Region region, std::vector<Medium> media);
+    void add_mesh_region(const Instance& instance, const std::vector<VolumeClosure>& closures);
+    void add_world_region();
+    // scene_volumes.cpp
+    class VolumeBuilder;
+    const VolumeObject& volume_object(const VolumeSource& volume);
     void decide_features();
 
     SceneSource source_;
+    Settings settings_;
     std::vector<ProgramTraits> traits_;  ///< by material; the last entry is the default's
     std::vector<Medium> media_;
     std::vector<Region> regions_;
@@ -160,6 +178,8 @@ class Scene {
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;
+    std::vector<ImageBounds> image_bounds_;    ///< made when a volume's program asks first
+    std::deque<VolumeObject> volume_objects_;  ///< what programs of volumes ask of their object
     SceneFeatures features_;
     std::vector<std::string> warnings_;
     std::vector<GridUse> grids_;

@@ -77,7 +77,7 @@ void Scene::decide_features() {
     for (const Region& r : regions_)
         f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
-        f.grids |= m.density.has_value();
+        f.grids |= (m.grid || m.program);
         f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
         f.volume_emission |= !is_zero(m.emission);
     }
@@ -93,7 +93,7 @@ void Scene::decide_features() {
             f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
         }
     }
-    f.motion = camera_->moves();
+    f.motion |= camera_->moves();  // and where a volume has velocities
     for (const Instance& instance : source_.instances)
         f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
     f.lamps = !lights_.lamps().empty();

@@ -80,6 +80,7 @@ Rgb Scene::surface_transmittance(const Ray& ray) const {
 
 void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const {
     out.ray = ray;
+    out.ray_kind = ray_kind;
     out.intervals.clear();
     const auto media_of = [&](const Region& r) {
         return std::pair(&media_[r.media_begin], &media_[r.media_begin] + (r.media_end - r.media_begin));

@@ -102,7 +102,7 @@ Interval1 smooth_min(Interval1 a, Interval1 b, Interval1 distance) {
 Interval1 remainder_bounds(Interval1 a, Interval1 t, Interval1 period, Interval1 low) {
     if (!tame(a, t, period, low))
         return everything();
-    const double most = kRounding * (a.magnitude() + low.magnitude() + period.magnitude());
+    const double most = kIntervalRounding * (a.magnitude() + low.magnitude() + period.magnitude());
     const Interval1 end = low + period, whole = a - period * floor(t);
     return narrowed(whole, std::min(low.lo, end.lo) - 4 * most, std::max(low.hi, end.hi) + 4 * most);
 }
@@ -242,7 +242,7 @@ Interval1 arctan2(Interval1 y, Interval1 x) {
 }
 
 Interval1 map_range(Interval1 a, Interval1 from_low, Interval1 from_high, Interval1 to_low, Interval1 to_high,
-                   std::int32_t mode) {
+                    std::int32_t mode) {
     Interval1 t = divide(a - from_low, from_high - from_low);
     if (mode != 0)
         t = clamp01(t);

@@ -13,7 +13,7 @@ Interval1 divide(Interval1 a, Interval1 b);
 Interval1 positive_power(Interval1 a, Interval1 b);
 Interval1 arctan2(Interval1 y, Interval1 x);
 Interval1 map_range(Interval1 a, Interval1 from_low, Interval1 from_high, Interval1 to_low, Interval1 to_high,
-                   std::int32_t mode);
+                    std::int32_t mode);
 Interval1 channel_bounds(Op op, Interval1 a, Interval1 b, Interval1 c);
 
 }  // namespace nephele

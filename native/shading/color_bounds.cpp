@@ -50,7 +50,7 @@ Interval3 hsl_from_rgb(const Interval3& c) {
         const double size = 2 + high.magnitude() + low.magnitude();
         const Interval1 range = max(high - low, Interval1(0));
         const Interval1 dark = quotient(range, rounded(high + low, size)),
-                       light = quotient(range, rounded(2 - high - low, size));
+                        light = quotient(range, rounded(2 - high - low, size));
         if (lightness.lo > 0.5)
             saturation = join(light, Interval1(0));
         else
@@ -92,7 +92,8 @@ Interval3 rgb_from_hsl(const Interval3& hsl) {
 
 Interval3 adjust_hue_saturation(const Interval3& a, const Interval3& by, Interval1 t) {
     const Interval3 hsv = hsv_from_rgb(a);
-    const Interval1 hue = hsv[0] + (by[0] + 0.5), saturation = clamp01(hsv[1] * by[1]), value = hsv[2] * by[2];
+    const Interval1 hue = hsv[0] + (by[0] + 0.5), saturation = clamp01(hsv[1] * by[1]),
+                    value = hsv[2] * by[2];
     const Interval3 mixed = lerp(a, rgb_from_hsv({hue, saturation, value}), t);
     const Interval1 zero(0);
     return {max(mixed[0], zero), max(mixed[1], zero), max(mixed[2], zero)};

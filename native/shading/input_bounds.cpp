@@ -20,7 +20,9 @@ Interval3 transformed(const Transform& t, const Interval3& p, bool vector) {
 
 Interval3 object_box(const BoundsInput& input) {
     const Interval3 p = box_of(input);
-    return input.point.instance ? transformed(input.point.instance->object_from_world, p, false) : p;
+    if (input.point.instance)
+        return transformed(input.point.instance->object_from_world, p, false);
+    return input.point.is_place() ? moved(p, input.context.origin) : p;
 }
 
 Interval3 object_location(const BoundsInput& input) {
@@ -31,7 +33,7 @@ Interval3 object_location(const BoundsInput& input) {
         lo = min(lo, step.translation);
         hi = max(hi, step.translation);
     }
-    return {Interval1(lo.x, hi.x), Interval1(lo.y, hi.y), Interval1(lo.z, hi.z)};
+    return moved({Interval1(lo.x, hi.x), Interval1(lo.y, hi.y), Interval1(lo.z, hi.z)}, input.context.origin);
 }
 
 Interval3 generated(const BoundsInput& input) {
@@ -46,7 +48,7 @@ Interval3 generated(const BoundsInput& input) {
 }
 
 Interval3 camera_box(const BoundsInput& input) {
-    return transformed(input.context.camera_from_world, box_of(input), !input.point.instance);
+    return transformed(input.context.camera_from_world, box_of(input), !input.point.is_place());
 }
 
 Interval3 window(const BoundsInput& input) {
@@ -83,7 +85,7 @@ Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
         case Op::window_coordinate:
             return window(input);
         case Op::position:
-            return box_of(input);
+            return input.point.is_place() ? moved(box_of(input), input.context.origin) : box_of(input);
         case Op::normal:
         case Op::normal_object:
         case Op::geometric_normal:

@@ -54,7 +54,7 @@ constexpr bool tame(Interval1 a, Rest... rest) {
 
 /// Relative error that is allowed for: 8 units in the last place, several times that of one operation or of a
 /// mathematical function of the C library.
-inline constexpr double kRounding = 1e-6;
+inline constexpr double kIntervalRounding = 1e-6;
 
 /// Lower bound of a float result whose exact value is at least v.
 inline double below(double v) {
@@ -64,7 +64,7 @@ inline double below(double v) {
         return 0;
     if (std::fabs(v) < kSmallest)  // denormal numbers have less precision, but keep their sign
         return v > 0 ? 0 : -kSmallest;
-    const double moved = v - kRounding * std::fabs(v);
+    const double moved = v - kIntervalRounding * std::fabs(v);
     if (v > 0)
         return moved < kLargest ? moved : kLargest;
     return moved >= -kLargest ? moved : -std::numeric_limits<double>::infinity();
@@ -78,10 +78,10 @@ inline Interval1 rounded(Interval1 x) {
         return everything();
     return {below(x.lo), above(x.hi), x.nan};
 }
-/// As rounded, for a result that errs by up to kRounding times `size` as well: the sum of the magnitudes of
+/// As rounded, for a result that errs by up to kIntervalRounding times `size` as well: the sum of the magnitudes of
 /// the terms that it is made of.
 inline Interval1 rounded(Interval1 x, double size) {
-    return rounded({x.lo - kRounding * size, x.hi + kRounding * size, x.nan});
+    return rounded({x.lo - kIntervalRounding * size, x.hi + kIntervalRounding * size, x.nan});
 }
 
 // --- Arithmetic
@@ -155,7 +155,7 @@ constexpr Interval1 absolute(Interval1 a) {
 inline Interval1 floor(Interval1 a) {
     return {std::floor(a.lo), std::floor(a.hi), a.nan};
 }
-/// f increases with its argument and is right to kRounding.
+/// f increases with its argument and is right to kIntervalRounding.
 template <typename F>
 Interval1 increasing(F f, Interval1 a) {
     return rounded({f(a.lo), f(a.hi), a.nan});

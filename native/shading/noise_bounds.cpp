@@ -143,7 +143,8 @@ Interval1 fractal_bounds(const Box& box, const Fractal& fractal, int n) {
         }
         octaves.push_back(octave);
         // Coordinates are rounded, here and where the program runs.
-        excess += octave.weight * (lattice.excess(octave, n) + kPerlinSlope[n] * kRounding * farthest);
+        excess +=
+            octave.weight * (lattice.excess(octave, n) + kPerlinSlope[n] * kIntervalRounding * farthest);
     }
     const Interval1 range = octaves.empty() ? Interval1(0) : sampled(box, lattice, octaves, n);
     return rounded({range.lo + fractal.constant - excess, range.hi + fractal.constant + excess},

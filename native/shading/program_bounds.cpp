@@ -71,7 +71,8 @@ Interval3 grid(const Step& step, const Interval3& p) {
         return Interval3(Interval1(0));
     if (p.nan)
         return Interval3(everything());
-    return step.input.grid_range(step.instruction.mode, p.lo, p.hi);
+    const Interval3 here = moved(p, -step.input.context.origin);
+    return step.input.grid_range(step.instruction.mode, here.lo, here.hi);
 }
 
 Interval3 texture_bounds(Op op, const Step& step, const Interval3& a, const Interval3& b, const Interval3& c,
@@ -160,7 +161,7 @@ Interval3 vector_bounds(Op op, const Step& step, const Interval3& a, const Inter
             return Interval3(a[0] * 0.2126729 + a[1] * 0.7151522 + a[2] * 0.0721750);
         case Op::fresnel:
         case Op::layer_weight:
-            return Interval3(Interval1(0, 1 + kRounding, !tame(a[0])));
+            return Interval3(Interval1(0, 1 + kIntervalRounding, !tame(a[0])));
         case Op::normal_map:
             return Interval3(Interval1(kDirection.lo, kDirection.hi, !tame(a[0], a[1], a[2]) || !tame(b[0])));
         default:
@@ -187,8 +188,8 @@ Interval3 evaluate(const Step& step, const Interval3& a, const Interval3& b, con
         case Op::multiply_add:
             return each([&](Interval1 x, Interval1 y, Interval1 z) { return product(x, y) + z; }, a, b, c);
         case Op::clamp:
-            return each([](Interval1 x, Interval1 low, Interval1 high) { return min(max(x, low), high); }, a, b,
-                        c);
+            return each([](Interval1 x, Interval1 low, Interval1 high) { return min(max(x, low), high); }, a,
+                        b, c);
         case Op::mix:
             return each([](Interval1 x, Interval1 y, Interval1 t) { return lerp(x, y, t); }, a, b, c);
         case Op::map_range:
@@ -203,7 +204,8 @@ Interval3 evaluate(const Step& step, const Interval3& a, const Interval3& b, con
     if (op < Op::copy)
         return texture_bounds(op, step, a, b, c, d);
     if (op < Op::clamp)
-        return each([&](Interval1 x, Interval1 y, Interval1 z) { return channel_bounds(op, x, y, z); }, a, b, c);
+        return each([&](Interval1 x, Interval1 y, Interval1 z) { return channel_bounds(op, x, y, z); }, a, b,
+                    c);
     if (op < Op::rgb_to_hsv || op > Op::blackbody)
         return vector_bounds(op, step, a, b, c);
     return color_bounds(op, a, b, c);

@@ -24,6 +24,11 @@ struct Interval3 {
     Interval1 operator[](int c) const { return {lo[c], hi[c], (nan >> c & 1) != 0}; }
 };
 
+/// p moved by a fixed vector.
+inline Interval3 moved(const Interval3& p, Vec3f by) {
+    return {p[0] + double{by.x}, p[1] + double{by.y}, p[2] + double{by.z}};
+}
+
 /// Bounds of all that filtering an image can give. Made once per image: they cost a pass over its texels.
 struct ImageBounds {
     Interval3 rgb;

@@ -7,6 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele.export import ExportError
+from nephele.export.blackbody import blackbody_rgb
+from nephele.export.nodes_volume import BOLTZMANN
+from programs import with_nodes
+from volume_trees import evaluate
 
 
 @pytest.fixture
@@ -25,12 +29,12 @@ def domain(bpy, link, tmp_path):
     settings = modifier.domain_settings
     settings.domain_type, settings.resolution_max, settings.cache_type = "GAS", 8, "ALL"
     settings.cache_directory = str(tmp_path / "cache")
-    (tmp_path / "cache" / "data").mkdir(parents=True)
     return item
 
 
 def cached(domain, frame):
     folder = Path(domain.modifiers[0].domain_settings.cache_directory, "data")
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"fluid_data_{frame:04d}.vdb"
     path.write_bytes(b"")
     return path
@@ -87,15 +91,13 @@ def test_fluid_placement_in_a_parent(domain, link, export):
 
 
 def test_velocity_is_in_cells_per_unit_of_mantaflows_time(bpy, domain, export):
-    cached(domain, 1)
     bpy.context.scene.render.use_motion_blur = True
     bpy.context.scene.render.fps = 50
     settings = domain.modifiers[0].domain_settings
     settings.time_scale, settings.velocity_scale = 2, 3
     domain.scale = (1, 1, 2)  # cells of 1 m
-    scene = export()
-    print(scene.warnings, bpy.context.scene.frame_current)
-    (result,) = scene.volumes
+    cached(domain, 1)  # only now: a new setting empties the cache
+    (result,) = export().volumes
     assert result.velocity_grids == ("velocity",)
     assert result.velocity_scale == pytest.approx(1 * 2.5 / 50 * 2 * 3)
 
@@ -115,7 +117,8 @@ def write_noise(domain, openvdb, noise_scale=2):
     """Writes the caches of frame 1 as Mantaflow names and places them: 4 x 4 x 8 cells of 0.5 m."""
     domain.modifiers[0].domain_settings.use_noise = True
     folder = Path(domain.modifiers[0].domain_settings.cache_directory)
-    (folder / "noise").mkdir(exist_ok=True)
+    for kind in ("data", "noise"):
+        (folder / kind).mkdir(parents=True, exist_ok=True)
 
     def grid(name, factor, value, kind=openvdb.FloatGrid):
         result = kind()
@@ -170,3 +173,22 @@ def test_damaged_noise_is_an_error(domain, export, openvdb):
     path.write_bytes(b"no VDB")
     with pytest.raises(ExportError, match=r"fluid domain 'Domain': .*fluid_noise_0001.vdb cannot be brought"):
         export()
+
+
+def test_fluid_fire(bpy, domain, export):
+    """Blender's temperature of a domain goes from ignition to the hottest flame, in thousands of kelvin."""
+    settings = domain.modifiers[0].domain_settings
+    settings.flame_ignition, settings.flame_max_temp = 1.25, 1.75
+    cached(domain, 1)  # Blender deletes the cache when such a setting changes
+    material = with_nodes(bpy.data.materials.new("Fire"))
+    shader = material.node_tree.nodes.new("ShaderNodeVolumePrincipled")
+    shader.inputs["Blackbody Intensity"].default_value = 1.0
+    output = material.node_tree.nodes["Material Output"]
+    material.node_tree.links.new(shader.outputs[0], output.inputs["Volume"])
+    domain.data.materials.append(material)
+    scene = export()
+    smoke, fire = scene.materials[scene.volumes[0].material].volume
+    assert (smoke.density_grid, fire.grids) == ("density", ("flame",))
+    emission = evaluate(fire, {"flame": 0.5})["emission"]
+    assert emission == pytest.approx(BOLTZMANN * 1500**4 * blackbody_rgb(1500), rel=1e-5)
+    assert scene.warnings == ()

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele.export import ExportError
+from programs import with_nodes
 
 
 @pytest.fixture
@@ -71,6 +72,34 @@ def test_empty_volume_warns(bpy, link, export):
     scene = export()
     assert (scene.volumes, len(scene.warnings)) == ((), 1)
     assert "volume 'Void'" in scene.warnings[0]
+
+
+def test_shaders_know_the_grids_of_the_file(bpy, volume, export, openvdb, tmp_path):
+    """One material on two files: the tint of one is a colour, that of the other a number."""
+    number, color = openvdb.FloatGrid(), openvdb.Vec3SGrid()
+    for grid in (number, color):
+        grid.name = "tint"
+        grid.fill((0, 0, 0), (1, 1, 1), 0.5 if grid is number else (1.0, 0.5, 0.25))
+    paths = [tmp_path / "number.vdb", tmp_path / "color.vdb"]
+    for path, grid in zip(paths, (number, color), strict=True):
+        openvdb.write(str(path), grids=[grid])
+    material = with_nodes(bpy.data.materials.new("Tinted"))
+    tree = material.node_tree
+    shine, tint = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAttribute")
+    tint.attribute_name = "tint"
+    tree.links.new(tint.outputs["Color"], shine.inputs["Color"])
+    tree.links.new(shine.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    second = volume.copy()
+    second.data = volume.data.copy()
+    bpy.context.scene.collection.objects.link(second)
+    for item, path in zip((volume, second), paths, strict=True):
+        item.data.filepath = str(path)
+        item.data.materials.append(material)
+    scene = export()
+    found = {Path(v.path).name: scene.materials[v.material].volume[0] for v in scene.volumes}
+    assert (found["number.vdb"].emission_grid, found["number.vdb"].program) == ("tint", None)
+    assert (found["color.vdb"].emission_grid, found["color.vdb"].grids) == (None, ("tint",))
+    assert scene.warnings == ()
 
 
 @pytest.mark.parametrize(

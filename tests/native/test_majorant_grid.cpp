@@ -215,7 +215,7 @@ TEST(MajorantGrid, UnmergedBoundsAreThoseOfTheNineCubedVoxels) {
                     // Where equal values were merged, the bounds are as good; otherwise only rounding is
                     // added.
                     ASSERT_LE(bound.majorant, most * (1 + 0x1p-19f));
-                    ASSERT_GE(bound.minorant, least * (1 - 0x1p-19f));
+                    ASSERT_GE(bound.minorant, least - most * 0x1p-19f);
                     if (most == least) {
                         ASSERT_EQ(bound.majorant, bound.minorant);  // values here are halves: no rounding up
                     }

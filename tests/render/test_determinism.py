@@ -40,9 +40,7 @@ def small_world():
     )
     scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse((0.8, 0.6, 0.4)))
     scene.add(sphere(0.3, 2), emission((3.0, 2.0, 1.0)), (), placed(-1, -0.6, -0.3))
-    return scene.add(
-        box((0, -1, -1), (1.2, 1, 0.4)), None, (d.VolumeClosure((0.3, 0.2, 0.1), phase=d.Phase(a=-0.3)),)
-    )
+    return scene.add(box((0, -1, -1), (1.2, 1, 0.4)), None, (d.VolumeClosure((0.3, 0.2, 0.1), phase=d.Phase(a=-0.3)),))
 
 
 def dense():
