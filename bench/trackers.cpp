@@ -6,8 +6,8 @@
 //
 // Rays join random points of opposite faces of the medium's box. Each is estimated many times by every
 // method; variance is that of one estimate on one ray, averaged over rays and channels, cost the processor
-// time of this thread. What counts is their product, here relative to the first method's: less is better. A
-// method's mean is checked against all methods' on the way.
+// time of this thread. What counts is their product, here relative to the first method's: less is better.
+// Means that differ from the first method's by more than 5 standard errors are marked.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -181,15 +181,16 @@ void print_table(const char* title, const std::vector<Method>& methods,
             medium.bounds = std::make_shared<MediumBounds>(
                 MediumBounds{Majorants(cells, accelerator, medium.sigma_t_max(), true), {}});
             const std::vector<Ray> rays = random_rays(test.grid->active_bounds(), kRays);
-            double first = 0, mean = 0;
+            double first = 0, mean = 0, error = 0;
             for (const Method& method : methods) {
                 const Figures f = measure(method, medium, rays);
                 const double product = f.variance * f.nanoseconds;
                 if (first == 0) {
                     first = product;
                     mean = f.mean;
+                    error = f.error;
                 }
-                const bool off = std::fabs(f.mean - mean) > 6 * f.error + 1e-6;
+                const bool off = std::fabs(f.mean - mean) > 5 * std::hypot(f.error, error) + 1e-6;
                 std::printf("| %s, %s | %s | %.1f | %.0f | %.3g | %.2f%s |\n", test.name.c_str(),
                             accelerator == Accelerator::grid ? "grid" : "kd-tree", method.name.c_str(),
                             f.lookups, f.nanoseconds, f.variance, first > 0 ? product / first : 1,

@@ -119,6 +119,7 @@ class Objects:
                 random=random_number(instance),
                 color=tuple(item.color),
                 pass_index=item.pass_index,
+                dielectric_priority=item.nephele.dielectric_priority,
             )
         )
 

@@ -38,6 +38,7 @@ struct ShadingPoint {
     const Mesh* mesh = nullptr;
     const VolumeFields* volume = nullptr;  ///< grids that a volume's program reads; null elsewhere
     bool backfacing = false;
+    float outside_ior = 1;  ///< index of refraction around the surface: 1 but for nested dielectrics
     std::uint32_t ray_kind = kCameraRay;
     float time = 0;  ///< of the shutter, in [0, 1]
 

@@ -254,6 +254,7 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.random = value<float>(i, "random");
     out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
+    out.dielectric_priority = value<int>(i, "dielectric_priority");
     return out;
 }
 

@@ -8,9 +8,13 @@
 #endif
 
 #include <atomic>
+#include <deque>
 #include <map>
 #include <stdexcept>
 #include <string>
+
+#include "scene/reach.h"
+#include "scene/watertight.h"
 
 namespace nephele {
 
@@ -44,6 +48,68 @@ void run_filter(const RTCFilterFunctionNArguments* args) {
     const bool front = ray.dir_x * hit.Ng_x + ray.dir_y * hit.Ng_y + ray.dir_z * hit.Ng_z < 0;
     if (!query.filter->accept(found, front != (*query.flipped)[found.instance]))
         args->valid[0] = 0;
+}
+
+/// Vertices of a mesh at equally spaced times of the shutter; one step where they stand still.
+struct Vertices {
+    const float* data;
+    std::size_t steps, floats;  ///< floats: of one step
+};
+Vertices own_vertices(const Mesh& mesh) {
+    return mesh.deforms() ? Vertices{mesh.motion_positions.data(), mesh.motion_steps, mesh.positions.size()}
+                          : Vertices{mesh.positions.data(), 1, mesh.positions.size()};
+}
+
+/// Triangles that Embree asks us about.
+struct OwnFaces {
+    Vertices vertices;
+    const std::int32_t* triangles;
+    float slack;  ///< of boxes, for the rounding of vertices as the ray sees them
+
+    /// At one of the vertices' steps.
+    Vec3f corner(unsigned face, unsigned i, std::size_t step) const {
+        const float* p = vertices.data + step * vertices.floats +
+                         3 * static_cast<std::size_t>(triangles[3 * std::size_t{face} + i]);
+        return {p[0], p[1], p[2]};
+    }
+    Vec3f corner_at(unsigned face, unsigned i, float time) const {
+        if (vertices.steps == 1)
+            return corner(face, i, 0);
+        const MotionPlace place(time, vertices.steps);
+        return lerp(corner(face, i, place.step), corner(face, i, place.step + 1), place.fraction);
+    }
+};
+
+void bound_face(const RTCBoundsFunctionArguments* args) {
+    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
+    const auto corner = [&](unsigned i) { return faces.corner(args->primID, i, args->timeStep); };
+    const Vec3f a = corner(0), b = corner(1), c = corner(2);
+    const Vec3f lo = min(a, min(b, c)) - Vec3f(faces.slack), hi = max(a, max(b, c)) + Vec3f(faces.slack);
+    RTCBounds& out = *args->bounds_o;
+    out.lower_x = lo.x, out.lower_y = lo.y, out.lower_z = lo.z;
+    out.upper_x = hi.x, out.upper_y = hi.y, out.upper_z = hi.z;
+}
+
+void intersect_face(const RTCIntersectFunctionNArguments* args) {
+    if (args->valid[0] == 0)
+        return;
+    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
+    const auto& query = *reinterpret_cast<const Query*>(args->context);
+    auto& [ray, hit] = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    const WatertightRay line({ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z});
+    const auto corner = [&](unsigned i) { return faces.corner_at(args->primID, i, ray.time); };
+    const auto met = line.meet(corner(0), corner(1), corner(2));
+    if (!met || !(met->t >= ray.tnear && met->t <= ray.tfar))
+        return;
+    const unsigned instance = query.context.instID[0];
+    const Hit found{met->t, instance == RTC_INVALID_GEOMETRY_ID ? args->geomID : instance, args->primID,
+                    met->u, met->v};
+    if (query.filter != nullptr &&
+        !query.filter->accept(found, met->front != (*query.flipped)[found.instance]))
+        return;
+    ray.tfar = met->t;
+    hit.u = met->u, hit.v = met->v;
+    hit.primID = args->primID, hit.geomID = args->geomID, hit.instID[0] = instance;
 }
 
 RTCRay rtc_ray(const Ray& r) {
@@ -85,10 +151,12 @@ struct Intersector::Impl {
     std::vector<RTCScene> shared;  ///< one per mesh that moves or that several instances use
     std::atomic<std::ptrdiff_t> memory{0};
     std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
+    Faces faces;
+    std::deque<OwnFaces> own;  ///< by geometry, where faces are watertight
     std::vector<bool>
         flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
 
-    Impl() : device(rtcNewDevice(nullptr)) {
+    explicit Impl(Faces f) : device(rtcNewDevice(nullptr)), faces(f) {
         if (device == nullptr)
             throw std::runtime_error("Embree could not be started");
         const auto monitor = [](void* self, ssize_t bytes, bool) {
@@ -118,24 +186,37 @@ struct Intersector::Impl {
         return scene;
     }
 
-    /// A mesh in its own space, moving or not.
-    RTCGeometry own_triangles(const Mesh& mesh) {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        const std::size_t floats = mesh.positions.size(), steps = std::max<std::size_t>(mesh.motion_steps, 1);
-        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
-        const float* vertices = mesh.deforms() ? mesh.motion_positions.data() : mesh.positions.data();
-        for (std::size_t i = 0; i < steps; ++i) {
-            // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array:
-            // copy.
-            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(i),
-                                                 RTC_FORMAT_FLOAT3, 12, floats / 3);
-            if (copy != nullptr)
-                std::copy(vertices + i * floats, vertices + (i + 1) * floats, static_cast<float*>(copy));
-        }
-        return finished(geometry, mesh);
+    RTCGeometry watertight_triangles(const Mesh& mesh, const Vertices& vertices, float slack) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
+        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangle_count()));
+        rtcSetGeometryUserData(geometry, &own.emplace_back(OwnFaces{vertices, mesh.triangles.data(), slack}));
+        rtcSetGeometryBoundsFunction(geometry, bound_face, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, intersect_face);
+        return geometry;
     }
 
-    RTCGeometry finished(RTCGeometry geometry, const Mesh& mesh) {
+    /// own_space: the vertices are the mesh's own, not placed in the world.
+    RTCGeometry triangles(const Mesh& mesh, const Vertices& vertices, bool own_space, float slack) {
+        if (faces == Faces::watertight)
+            return watertight_triangles(mesh, vertices, slack);
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
+        for (std::size_t i = 0; i < vertices.steps; ++i) {
+            const float* step = vertices.data + i * vertices.floats;
+            const auto slot = static_cast<unsigned>(i);
+            if (own_space) {
+                // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's
+                // array: copy.
+                void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot,
+                                                     RTC_FORMAT_FLOAT3, 12, vertices.floats / 3);
+                if (copy != nullptr)
+                    std::copy(step, step + vertices.floats, static_cast<float*>(copy));
+            } else {
+                rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot, RTC_FORMAT_FLOAT3, step, 0,
+                                           12, vertices.floats / 3);
+            }
+        }
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    mesh.triangles.data(), 0, 12, mesh.triangle_count());
 #if NEPHELE_EMBREE_MAJOR >= 4
@@ -146,19 +227,16 @@ struct Intersector::Impl {
 
     /// A mesh used once that stands still: its vertices are placed in the world, which makes queries cheaper
     /// than an instance would.
-    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object) {
+    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object, float slack) {
         const std::size_t count = mesh.positions.size() / 3;
         std::vector<float>& out =
-            placed.emplace_back(3 * count + 1);  // one float of padding, see own_triangles()
+            placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
         for (std::size_t i = 0; i < count; ++i) {
             const float* p = mesh.positions.data() + 3 * i;
             const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
             out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
         }
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, out.data(), 0, 12,
-                                   count);
-        return finished(geometry, mesh);
+        return triangles(mesh, {out.data(), 1, 3 * count}, false, slack);
     }
 
     RTCGeometry instance(RTCScene scene, const Instance& placed_mesh) {
@@ -188,11 +266,16 @@ struct Intersector::Impl {
 };
 
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                         std::span<const std::uint32_t> used)
-    : impl_(std::make_unique<Impl>()), empty_(used.empty()) {
+                         std::span<const std::uint32_t> used, Faces faces)
+    : impl_(std::make_unique<Impl>(faces)), empty_(used.empty()) {
     std::map<std::uint32_t, int> uses;
     for (const std::uint32_t i : used)
         ++uses[instances[i].mesh];
+    if (faces == Faces::watertight)
+        reach_ = reach_of(meshes, instances, used);
+    constexpr float kRounding =
+        1e-6f;  // of a vertex as a ray sees it that starts no further away than a few reaches
+    const float slack = kRounding * reach_;
     std::map<std::uint32_t, RTCScene> shared;
     impl_->flipped.resize(instances.size());
     for (const std::uint32_t i : used) {
@@ -200,13 +283,16 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
         const Mesh& mesh = meshes[instance.mesh];
         if (uses[instance.mesh] == 1 && !instance.motion.moves() && !mesh.deforms()) {
             impl_->flipped[i] = instance.mirrored();
-            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object), i);
+            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object, slack), i);
             continue;
         }
         RTCScene& scene = shared[instance.mesh];
         if (scene == nullptr) {
             scene = impl_->shared.emplace_back(impl_->new_scene());
-            Impl::attach(scene, impl_->own_triangles(mesh), 0);
+            Impl::attach(scene,
+                         impl_->triangles(mesh, own_vertices(mesh), true,
+                                          slack * object_scale(instances, used, instance.mesh)),
+                         0);
             rtcCommitScene(scene);
         }
         Impl::attach(impl_->top, impl_->instance(scene, instance), i);

@@ -72,16 +72,19 @@ Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(s
 void Scene::add_meshes() {
     for (const Mesh& mesh : source_.meshes)
         naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
-    std::vector<std::uint32_t> surfaces, boundaries;
+    std::vector<std::uint32_t> surfaces, boundaries, dielectrics;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
+        drop_priority_of_emitter(source_.instances[i]);
         Instance& instance = source_.instances[i];
         const auto has = [&](auto test) {
             return std::any_of(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
             });
         };
-        if (has([](const Material* m) { return m == nullptr || m->surface; }))
+        if (instance.dielectric_priority > 0)
+            dielectrics.push_back(i);
+        else if (has([](const Material* m) { return m == nullptr || m->surface; }))
             surfaces.push_back(i);
         if (!has([](const Material* m) { return m != nullptr && !m->volume.empty(); }))
             continue;
@@ -107,7 +110,8 @@ void Scene::add_meshes() {
         boundaries.push_back(i);
     }
     surfaces_.emplace(source_.meshes, source_.instances, surfaces);
-    boundaries_.emplace(source_.meshes, source_.instances, boundaries);
+    dielectrics_.emplace(source_.meshes, source_.instances, dielectrics, Intersector::Faces::watertight);
+    boundaries_.emplace(source_.meshes, source_.instances, boundaries, Intersector::Faces::watertight);
 }
 
 }  // namespace nephele

@@ -85,6 +85,7 @@ struct SceneFeatures {
     bool surfaces = false;
     bool transparent_surfaces = false;  ///< shadow rays may pass surfaces
     bool hidden_surfaces = false;       ///< some surface is not visible to some rays
+    bool nested_dielectrics = false;    ///< some object has a dielectric priority
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
@@ -145,8 +146,13 @@ class Scene {
   private:
     struct SurfaceFilter;
     struct TransmittanceFilter;
-    struct CrossingCollector;
     std::int32_t material_of(const Hit& hit) const;
+    Rgb transparency(const Hit& hit, const Ray& ray) const;
+    // scene_nesting.cpp
+    float interior_ior(const Crossing& wall, const Ray& ray, std::uint32_t ray_kind) const;
+    Hit nearest_interface(const Ray& ray, std::uint32_t ray_kind, const Hit& hit) const;
+    Rgb interface_transmittance(const Ray& ray) const;
+    void drop_priority_of_emitter(Instance& instance);
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
     void add_meshes();
@@ -174,7 +180,9 @@ class Scene {
     std::vector<Region> regions_;
     std::vector<std::uint32_t> region_of_instance_;  ///< of mesh regions; ~0 elsewhere
     std::vector<std::uint32_t> mesh_light_of_instance_;
-    std::optional<Intersector> surfaces_, boundaries_;
+    std::optional<Intersector> surfaces_;     ///< all but objects with a dielectric priority
+    std::optional<Intersector> boundaries_;   ///< meshes that bound media
+    std::optional<Intersector> dielectrics_;  ///< objects with a dielectric priority
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;

@@ -83,7 +83,8 @@ void Scene::decide_features() {
     }
     f.media = !media_.empty();
     f.overlap = media_.size() > 1;
-    f.surfaces = !surfaces_->empty();
+    f.surfaces = !surfaces_->empty() || !dielectrics_->empty();
+    f.nested_dielectrics = !dielectrics_->empty();
     for (const Instance& instance : source_.instances) {
         f.hidden_surfaces |= (~instance.visibility & 0x3fu) != 0;
         for (const std::int32_t m : instance.materials) {
@@ -117,6 +118,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"surfaces", &SceneFeatures::surfaces},
     {"transparent surfaces", &SceneFeatures::transparent_surfaces},
     {"hidden surfaces", &SceneFeatures::hidden_surfaces},
+    {"nested dielectrics", &SceneFeatures::nested_dielectrics},
     {"lamps", &SceneFeatures::lamps},
     {"mesh lights", &SceneFeatures::mesh_lights},
     {"background", &SceneFeatures::background},

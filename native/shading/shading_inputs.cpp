@@ -116,7 +116,7 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
 }
 
 float fresnel_node(float ior, Vec3f n, const ShadingPoint& point) {
-    const float eta = std::max(ior, 1e-5f);
+    const float eta = std::max(ior, 1e-5f) / point.outside_ior;
     return fresnel_dielectric(std::min(1.0f, std::fabs(dot(point.wo, n))), point.backfacing ? 1 / eta : eta);
 }
 

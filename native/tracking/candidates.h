@@ -17,6 +17,12 @@ struct Counters {
     std::uint64_t rays = 0;
 };
 
+/// exp(-sigma_t length), also for infinite lengths.
+inline Rgb homogeneous_transmittance(Rgb sigma_t, float length) {
+    const auto one = [&](float s) { return s > 0 ? std::exp(-s * length) : 1.0f; };
+    return {one(sigma_t.x), one(sigma_t.y), one(sigma_t.z)};
+}
+
 /// The bounds of one interval, piece by piece. Bounds are of a scale that multiplies `unit()`: the density of
 /// a grid, whose unit is the medium's sigma_t, or the extinction itself of a medium that a program computes.
 class MajorantTrack {

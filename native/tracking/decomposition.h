@@ -2,8 +2,8 @@
 // Weighted spectral decomposition tracking (Kutz, Habel, Li, Novak, SIGGRAPH 2017, sections 3 and 5). The
 // media are split into a control part, what their minorants say is everywhere on a piece at least, and the
 // residual rest. A candidate is a collision with the control part with probability <beta sigma_t_control> /
-// (<beta> majorant): that needs no lookup. Otherwise the density is looked up, and the candidate is a
-// collision with the residual part or none, weighted as in delta.h.
+// <beta majorant>: that needs no lookup. Otherwise the density is looked up, and the candidate is a collision
+// with the residual part or none, weighted as in delta.h.
 #pragma once
 
 #include "tracking/flight.h"
@@ -29,8 +29,7 @@ inline Coefficients control_at(TrackingScratch& scratch, float t, bool share) {
         if (!track.covers(t) || track.minorant() == 0)
             continue;
         const MediumPoint control = control_of(track);
-        sum.sigma_s += control.sigma_s;
-        sum.sigma_t += control.sigma_t;
+        sum.add(control.sigma_s, control.sigma_t);
         if (share && !is_zero(control.sigma_s))
             scratch.shares.push_back({control.sigma_s, control.phase});
     }
@@ -49,8 +48,7 @@ inline Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Cou
         const Rgb sigma_t = max(all.sigma_t - control.sigma_t, Rgb(0));
         if (is_zero(sigma_t))
             continue;
-        sum.sigma_s += sigma_s;
-        sum.sigma_t += sigma_t;
+        sum.add(sigma_s, sigma_t);
         scratch.shares.push_back({sigma_s, all.phase});
     }
     return sum;
@@ -61,29 +59,37 @@ inline Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Cou
 inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bool global_majorant,
                                    Rgb& beta, Rng& rng, Counters& counters) {
     Flight flight;
-    return detail::fly(
-        segment, scratch, flight, global_majorant, beta, rng, counters, [&](float t, float majorant) {
-            const float before = mean(beta), u = rng.next();
-            const auto control = detail::control_at(scratch, t, false);
-            const float p_control = std::min(mean(beta * control.sigma_t) / (before * majorant), 1.0f);
-            if (u < p_control) {
-                detail::control_at(scratch, t, true);
-                beta *= control.sigma_s / (majorant * p_control);
-                detail::meet(flight, t, control, false, before, beta, rng);
-                return false;
-            }
-            const auto residual = detail::residual_at(scratch, t, rng, counters);
-            const float p_residual =
-                std::min(mean(beta * residual.sigma_t) / (before * majorant), 1.0f - p_control);
-            if (u >= p_control + p_residual) {
-                beta *= max(Rgb(majorant) - control.sigma_t - residual.sigma_t, Rgb(0)) /
-                        (majorant * (1 - p_control - p_residual));
-                return true;
-            }
-            beta *= residual.sigma_s / (majorant * p_residual);
-            detail::meet(flight, t, residual, false, before, beta, rng);
+    scratch.start(segment, false, global_majorant);
+    const auto event = [&](float t, float majorant) {
+        const auto control = detail::control_at(scratch, t, false);
+        const Rgb above = max(Rgb(majorant) - control.sigma_t, Rgb(0));
+        // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
+        const float before = mean(beta), known = mean(beta * control.sigma_t_scattering),
+                    rest = mean(beta * above);
+        if (known + rest == 0)
+            return detail::absorb(flight, t);
+        const float p_control = known / (known + rest);
+        if (rng.next() < p_control) {
+            detail::control_at(scratch, t, true);
+            beta *= control.sigma_s / (majorant * p_control);
+            detail::meet(flight, t, control, false, before, beta, rng);
             return false;
-        });
+        }
+        const auto residual = detail::residual_at(scratch, t, rng, counters);
+        const Rgb sigma_n = max(above - residual.sigma_t, Rgb(0));
+        const float real = mean(beta * residual.sigma_t_scattering), null = mean(beta * sigma_n);
+        if (real + null == 0)
+            return detail::absorb(flight, t);
+        const float p_residual = real / (real + null), scale = 1 / (majorant * (1 - p_control));
+        if (rng.next() >= p_residual) {
+            beta *= sigma_n * (scale / (1 - p_residual));
+            return true;
+        }
+        beta *= residual.sigma_s * (scale / p_residual);
+        detail::meet(flight, t, residual, false, before, beta, rng);
+        return false;
+    };
+    return detail::fly(segment, scratch, flight, beta, rng, counters, event);
 }
 
 }  // namespace nephele

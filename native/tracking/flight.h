@@ -24,18 +24,44 @@ struct Flight {
 struct TrackingScratch {
     std::vector<MajorantTrack> tracks;
     std::vector<ScatterShare> shares;  ///< filled where a flight scatters
+    std::vector<Interval> absorbers;   ///< constant media that only absorb: these have a closed form
 
-    void start(const Segment& segment, bool global_majorant) {
+    /// `analog`: absorbers are tracked like the others.
+    void start(const Segment& segment, bool analog, bool global_majorant) {
         tracks.clear();
-        for (const Interval& interval : segment.intervals)
-            tracks.emplace_back(interval, segment, global_majorant);
+        absorbers.clear();
+        for (const Interval& interval : segment.intervals) {
+            const Medium& m = *interval.medium;
+            if (!analog && !m.bounds && is_zero(m.sigma_s) && is_zero(m.emission)) {
+                absorbers.push_back(interval);
+            } else {
+                tracks.emplace_back(interval, segment, global_majorant);
+            }
+        }
+    }
+    /// What the absorbers let through up to t.
+    Rgb absorbed_to(float t) const {
+        Rgb T(1);
+        for (const Interval& a : absorbers) {
+            if (t > a.t0)
+                T *= homogeneous_transmittance(a.medium->sigma_t, std::min(t, a.t1) - a.t0);
+        }
+        return T;
     }
 };
 
 namespace detail {
 
+/// Of all media at a point; sigma_t_scattering: of those that scatter there.
 struct Coefficients {
-    Rgb sigma_s, sigma_t;
+    Rgb sigma_s, sigma_t, sigma_t_scattering;
+
+    void add(Rgb s, Rgb t) {
+        sigma_s += s;
+        sigma_t += t;
+        if (!is_zero(s))
+            sigma_t_scattering += t;
+    }
 };
 
 /// Sum of the coefficients of the tracks active at t; fills scratch.shares.
@@ -48,8 +74,7 @@ inline Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng,
         const MediumPoint m = track.point(t, rng, counters);
         if (is_zero(m.sigma_t))
             continue;
-        sum.sigma_s += m.sigma_s;
-        sum.sigma_t += m.sigma_t;
+        sum.add(m.sigma_s, m.sigma_t);
         scratch.shares.push_back({m.sigma_s, m.phase});
     }
     return sum;
@@ -61,14 +86,17 @@ inline Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, 
     Rgb sum;
     if (!(t1 < kInfinity))
         return sum;
+    float t = -1;
     for (const MajorantTrack& track : scratch.tracks) {
         const Medium& m = track.medium();
         const bool dark = track.empty() && (m.density_scales_emission || m.program);
         if (track.interval().t0 > t0 || !m.emits() || dark)
             continue;
-        sum += track.emission(lerp(t0, t1, rng.next()), rng, counters) * (t1 - t0);
+        if (t < 0)
+            t = lerp(t0, t1, rng.next());
+        sum += track.emission(t, rng, counters) * (t1 - t0);
     }
-    return sum;
+    return scratch.absorbers.empty() || t < 0 ? sum : sum * scratch.absorbed_to(t);
 }
 
 /// Through homogeneous media of great depth, the world's above all, channels that they do not touch are sure
@@ -116,12 +144,18 @@ inline void meet(Flight& flight, float t, const Coefficients& c, bool analog, fl
         flight.event = Flight::Event::absorbed;
 }
 
+/// The path ends at t; for the loop: it does not go on.
+inline bool absorb(Flight& flight, float t) {
+    flight.t = t;
+    flight.event = Flight::Event::absorbed;
+    return false;
+}
+
 /// The loop of all methods. `event(t, majorant)` decides what happens at a candidate: it updates beta and the
 /// flight, and returns whether the path goes on.
 template <class Event>
-Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, bool global_majorant, Rgb& beta,
-           Rng& rng, Counters& counters, Event&& event) {
-    scratch.start(segment, global_majorant);
+Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, Rgb& beta, Rng& rng,
+           Counters& counters, Event&& event) {
     const auto gather = [&](float t0, float t1) {
         const Rgb emitted = emission_between(scratch, t0, t1, rng, counters);
         if (!is_zero(emitted))
@@ -135,6 +169,10 @@ Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, boo
                            }
                            return event(t, majorant);
                        });
+    if (!scratch.absorbers.empty())
+        beta *= scratch.absorbed_to(flight.event == Flight::Event::passed ? segment.ray.t_max : flight.t);
+    if (is_zero(beta))
+        flight.event = Flight::Event::absorbed;
     return flight;
 }
 

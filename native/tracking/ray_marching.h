@@ -34,10 +34,12 @@ class March {
     /// Integral of what the majorant exceeds the minorant by, in the channel where that is most.
     double residual() const { return residual_; }
 
-    /// How many points an estimate takes (their equation 28): with them, few of the higher terms matter.
+    /// How many points an estimate takes: half of their equation 28, which suits our stratified points best.
+    /// The higher terms then rarely matter.
     int tuple_size() const {
         const double r = residual_;
-        return std::max(1, static_cast<int>(std::ceil(std::cbrt((0.015 + r) * (0.65 + r) * (60.3 + r)))));
+        return std::max(1,
+                        static_cast<int>(std::ceil(0.5 * std::cbrt((0.015 + r) * (0.65 + r) * (60.3 + r)))));
     }
 
     /// Minus the residual optical depth, estimated at n evenly spaced points of the residual majorant.
@@ -75,51 +77,48 @@ class March {
     double control_ = 0, residual_ = 0;
 };
 
-/// Number of terms beyond the first, and the weight that makes up for the roulette, by term.
-struct SeriesLength {
-    static constexpr int kMaxTerms = 32;
-    int terms = 0;
-    double weight[kMaxTerms + 1] = {1};
+/// Longest series: the weight of a term beyond it is below any float.
+inline constexpr int kMaxTerms = 32;
 
-    explicit SeriesLength(Rng& rng) {
-        constexpr float kStop = 0.9f, kRate = 2;
-        if (rng.next() < kStop)
-            return;
-        weight[1] = weight[2] = 1 / (1 - double{kStop});
-        terms = 2;
-        // Term k + 1 is of the order of term k over k + 1. Beyond kMaxTerms it is below any float.
-        while (terms < kMaxTerms) {
-            const float go_on = std::min(1.0f, kRate / static_cast<float>(terms + 1));
-            if (rng.next() >= go_on)
-                break;
-            weight[terms + 1] = weight[terms] / double{go_on};
-            ++terms;
-        }
-    }
-};
+/// How many terms beyond the first are taken: 0, or 2 and more. go_on(k): probability that term k + 1
+/// follows.
+inline constexpr float kFirstTermOnly = 0.9f;
+inline float go_on(int k) {
+    return std::min(1.0f, 2.0f / static_cast<float>(k + 1));
+}
+inline int series_length(Rng& rng) {
+    if (rng.next() < kFirstTermOnly)
+        return 0;
+    int terms = 2;
+    while (terms < kMaxTerms && rng.next() < go_on(terms))
+        ++terms;
+    return terms;
+}
 
 /// Mean over pivots of the truncated series; x: terms + 1 estimates.
-inline double power_series(const double* x, const SeriesLength& length) {
-    const int n = length.terms;
+inline double power_series(const double* x, int terms) {
     double sum = 0;
-    for (int pivot = 0; pivot <= n; ++pivot) {
-        double e[SeriesLength::kMaxTerms + 1] = {1};  // elementary symmetric sums of the differences
+    for (int pivot = 0; pivot <= terms; ++pivot) {
+        double e[kMaxTerms + 1] = {1};  // elementary symmetric sums of the differences
         int taken = 0;
-        for (int i = 0; i <= n; ++i) {
+        for (int i = 0; i <= terms; ++i) {
             if (i == pivot)
                 continue;
             ++taken;
             for (int k = taken; k > 0; --k)
                 e[k] += e[k - 1] * (x[i] - x[pivot]);
         }
-        double series = 0, share = 1;  // share: 1 / (k! binomial(n, k))
-        for (int k = 0; k <= n; ++k) {
-            series += length.weight[k] * share * e[k];
-            share /= n - k > 0 ? n - k : 1;
+        // weight: 1 over the chance to get to term k; share: 1 / (k! binomial(terms, k)).
+        double series = 1, weight = 1 / (1 - double{kFirstTermOnly}), share = 1;
+        for (int k = 1; k <= terms; ++k) {
+            share /= terms - k + 1;
+            if (k > 2)
+                weight /= double{go_on(k - 1)};
+            series += weight * share * e[k];
         }
         sum += std::exp(x[pivot]) * series;
     }
-    return sum / (n + 1);
+    return sum / (terms + 1);
 }
 
 }  // namespace detail
@@ -131,19 +130,21 @@ inline Rgb ray_marching_transmittance(const MajorantTrack& track, Rng& rng, Coun
     const detail::March march(track);
     if (march.residual() > kDeepest)
         return residual_ratio_transmittance(track, rng, counters);
-    Rgb T = exp(track.unit() * static_cast<float>(-march.control()));
+    const Rgb control = track.unit() * static_cast<float>(-march.control());
     if (march.residual() == 0)
-        return T;
-    const detail::SeriesLength length(rng);
-    double x[3][detail::SeriesLength::kMaxTerms + 1];
-    const int n = march.tuple_size();
-    for (int i = 0; i <= length.terms; ++i) {
+        return exp(control);
+    const int terms = detail::series_length(rng), n = march.tuple_size();
+    if (terms == 0)
+        return exp(control + march.estimate(n, rng, counters));
+    double x[3][detail::kMaxTerms + 1];
+    for (int i = 0; i <= terms; ++i) {
         const Rgb estimate = march.estimate(n, rng, counters);
         for (int c = 0; c < 3; ++c)
             x[c][i] = double{estimate[c]};
     }
+    Rgb T = exp(control);
     for (int c = 0; c < 3; ++c)
-        T[c] *= static_cast<float>(detail::power_series(x[c], length));
+        T[c] *= static_cast<float>(detail::power_series(x[c], terms));
     return T;
 }
 

@@ -9,12 +9,6 @@
 
 namespace nephele {
 
-/// exp(-sigma_t length), also for infinite lengths.
-inline Rgb homogeneous_transmittance(Rgb sigma_t, float length) {
-    const auto one = [&](float s) { return s > 0 ? std::exp(-s * length) : 1.0f; };
-    return {one(sigma_t.x), one(sigma_t.y), one(sigma_t.z)};
-}
-
 /// Unbiased estimate of exp(-integral of sigma_t) along the segment.
 inline Rgb estimate_transmittance(const Segment& segment, const Settings& settings, Rng& rng,
                                   Counters& counters) {

@@ -151,5 +151,38 @@ TEST(Motion, OfAMediumsBoundsMovesItsCrossings) {
     }
 }
 
+/// The two hierarchies, of surfaces and of media's bounds, have their own triangles.
+TEST(Motion, IsTheSameForSurfacesAndBounds) {
+    for (const int copies : {1, 3}) {
+        const Scene solid(moving_box(copies));
+        SceneSource source = moving_box(copies);
+        source.materials = fog_in(box_mesh(Vec3f(-1), Vec3f(1))).materials;
+        for (Instance& instance : source.instances)
+            instance.materials = {0};
+        const Scene fog(std::move(source));
+        Rng rng(12);
+        int hits = 0;
+        for (int k = 0; k < 4000; ++k) {
+            Ray ray;
+            ray.time = rng.next();
+            ray.d = sample_sphere(rng.next2());
+            ray.o = Vec3f(2 * rng.next() - 1, 2 * rng.next() - 1, rng.next()) - ray.d * 40;
+            const Hit hit = solid.intersect(ray, kCameraRay);
+            Segment segment;
+            fog.find_media(ray, kCameraRay, segment);
+            if (!hit.valid() || segment.intervals.empty())
+                continue;
+            ++hits;
+            float first = kInfinity;
+            for (const Interval& i : segment.intervals) {
+                first = std::min(first, i.t0);
+                EXPECT_LT(i.t1, 100);  // closed meshes are left again
+            }
+            EXPECT_NEAR(first, hit.t, 1e-3);
+        }
+        EXPECT_GT(hits, 1500);
+    }
+}
+
 }  // namespace
 }  // namespace nephele::test

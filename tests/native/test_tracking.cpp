@@ -55,6 +55,15 @@ std::vector<Case> cases() {
              line.add({0.03f, 0.03f, 0.03f}, {0.01f, 0.01f, 0.01f}, 5, 45);
              return line;
          }},
+        {"absorbers",
+         [] {
+             Line line(slanted());
+             line.add(Rgb(0), {0.01f, 0.03f, 0.1f}, 5, 45);
+             line.add(Rgb(0), Rgb(0.02f), 0, 20);
+             line.add(Rgb(0.01f), Rgb(0.01f), 10, 30);
+             line.add(Rgb(0), {0.05f, 0.02f, 0}, 0, 50, field_of(kVoxels, bumps));
+             return line;
+         }},
         {"homogeneous_chromatic",
          [] {
              Line line(slanted());
@@ -261,11 +270,11 @@ TEST(Tracking, PowerSeriesOfNoisyDepthsIsUnbiased) {
     Mean mean;
     Rng rng(53);
     for (int n = 0; n < 2000000; ++n) {
-        const detail::SeriesLength length(rng);
-        double x[detail::SeriesLength::kMaxTerms + 1];
-        for (int i = 0; i <= length.terms; ++i)
+        const int terms = detail::series_length(rng);
+        double x[detail::kMaxTerms + 1];
+        for (int i = 0; i <= terms; ++i)
             x[i] = rng.next() < 0.5f ? -1 : -3;
-        mean.add(detail::power_series(x, length));
+        mean.add(detail::power_series(x, terms));
     }
     EXPECT_LT(mean.z(std::exp(-2.0)), kSigmas) << mean.mean();
 }
