@@ -199,3 +199,30 @@ def test_faults_name_the_object():
     broken = d.Mesh("square", mesh.positions, mesh.triangles, motion=np.zeros((2, 3, 3), np.float32))
     with pytest.raises(ValueError, match=r"square.*number of vertices"):
         moving(broken, None).render(size=4, samples=1)
+
+
+def test_a_cloud_moves_by_its_velocity(openvdb, tmp_path):
+    """A block of absorbing density with one velocity everywhere: from where it is at the frame it moves
+    forward and back, over the shutter's part of a frame."""
+    density, velocity = openvdb.FloatGrid(), openvdb.Vec3SGrid()
+    density.name, velocity.name = "density", "velocity"
+    density.copyFromArray(np.ones((10, 10, 10), np.float32), ijk=(15, 15, 15))
+    velocity.copyFromArray(np.broadcast_to(np.float32((4, 0, 0)), (40, 40, 40, 3)).copy())
+    for grid in (density, velocity):
+        grid.transform = openvdb.createLinearTransform(0.1)
+    path = tmp_path / "block.vdb"
+    openvdb.write(str(path), grids=[density, velocity])
+    fog = d.VolumeClosure(sigma_a=(3.0, 3.0, 3.0), density_grid="density")
+    scene = Scene(orthographic((0, 0, 5), (0, 0, 0), 4), emission(1.0))
+    centred = placed(-1.95, -1.95, -1.95)  # of voxels 15 to 24
+    scene.add_volume(path, fog, world_from_object=centred, velocity_grids=("velocity",), velocity_scale=0.5)
+    still = scene.description(size=64, **SETTINGS)
+    moving_cloud = d.Scene(**(vars(still) | {"shutter": (-0.5, 0.5)}))
+    values = [finished(s)["Combined"][28:36].mean((0, 2)) for s in (still, moving_cloud)]
+    # At time t the picture is that of the frame, moved by 2 t.
+    x = (np.arange(64) + 0.5) / 16 - 2
+    times = np.linspace(-0.5, 0.5, 801)
+    expected = np.mean([np.interp(x - 2 * t, x, values[0], left=1, right=1) for t in times], axis=0)
+    assert values[0].min() < 0.1
+    assert expected.min() > 0.4
+    assert np.abs(values[1] - expected).max() < 0.02
