@@ -65,6 +65,25 @@ void placement(nb::handle object, const char* attribute, const std::array<double
         out[4 * a + 3] -= origin[a];
 }
 
+/// The same at S times of the shutter, (S, 4, 4); none where the attribute is None.
+std::vector<std::array<double, 16>> motion_matrices(nb::handle object, const std::array<double, 3>& origin) {
+    std::vector<std::array<double, 16>> out;
+    const nb::object motion = object.attr("motion");
+    if (motion.is_none())
+        return out;
+    nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu> view;
+    if (!nb::try_cast(motion, view, true))
+        bad_array("motion", "S x 4 x 4 float64");
+    out.resize(view.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i)
+        std::copy(view.data() + 16 * i, view.data() + 16 * (i + 1), out[i].begin());
+    for (auto& m : out) {
+        for (std::size_t a = 0; a < 3; ++a)
+            m[4 * a + 3] -= origin[a];
+    }
+    return out;
+}
+
 template <class Enum>
 Enum choice(nb::handle object, const char* attribute,
             std::initializer_list<std::pair<std::string_view, Enum>> items) {
@@ -187,6 +206,10 @@ Mesh mesh(nb::handle m) {
     out.positions = floats(m, "positions");
     out.triangles = integers(m, "triangles");
     out.corner_normals = floats(m, "corner_normals");
+    out.motion_positions = floats(m, "motion");
+    out.motion_normals = floats(m, "motion_normals");
+    if (!out.positions.empty())
+        out.motion_steps = out.motion_positions.size() / out.positions.size();
     const auto arrays = [&](const char* attribute) {
         return list<Buffer<float>>(m, attribute,
                                    [&](nb::handle a) { return buffer<float>(a, attribute, "float32"); });
@@ -216,6 +239,8 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     placement(i, "world_from_object", origin, m);
     out.world_from_object = transform_of(m);
     out.object_from_world = inverse_of(m);
+    if (const auto motion = motion_matrices(i, origin); !motion.empty())
+        out.motion = Motion(motion);
     for (nb::handle material : nb::borrow<nb::object>(i.attr("materials"))) {
         const auto number = nb::cast<std::int32_t>(material);
         if (number < -1 || number >= static_cast<std::int32_t>(material_count)) {
@@ -345,6 +370,7 @@ SceneSource scene_source_of(nb::handle scene) {
     SceneSource out;
     out.camera = camera(scene.attr("camera"));
     out.origin = move_origin(out.camera);
+    out.camera.motion = motion_matrices(scene.attr("camera"), out.origin);
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
         return Material{text(m, "name"), program(m.attr("surface")), volume_closures(m)};

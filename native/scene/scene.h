@@ -89,6 +89,7 @@ struct SceneFeatures {
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
+    bool motion = false;  ///< something moves while the shutter is open: paths have a time
 
     /// Names of the features that are there (present) or left out.
     std::vector<std::string> list(bool present) const;

@@ -47,6 +47,11 @@ void Scene::add_lights() {
         }
         if (!emits)
             continue;
+        if (instance.motion.moves() || mesh.deforms()) {  // light sampling aims at what stands still
+            warnings_.push_back("object '" + instance.name +
+                                "': it glows and moves; its light is found by chance alone, with more noise");
+            continue;
+        }
         std::vector<float> of_triangle(mesh.triangle_count());
         for (std::uint32_t t = 0; t < of_triangle.size(); ++t) {
             const std::int32_t m = instance.material_of(mesh, t);
@@ -89,6 +94,9 @@ void Scene::decide_features() {
             f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
         }
     }
+    f.motion |= camera_->moves();  // and where a volume has velocities
+    for (const Instance& instance : source_.instances)
+        f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
     f.lamps = !lights_.lamps().empty();
     f.mesh_lights = !lights_.meshes().empty();
     f.background = lights_.world() != nullptr && !lights_.world()->black();
@@ -114,6 +122,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"lamps", &SceneFeatures::lamps},
     {"mesh lights", &SceneFeatures::mesh_lights},
     {"background", &SceneFeatures::background},
+    {"motion", &SceneFeatures::motion},
 };
 
 }  // namespace
