@@ -161,6 +161,17 @@ TEST(BrickGrid, TricubicIsExactWhereVoxelsAreEqual) {
         ASSERT_EQ(grid->tricubic(Vec3f(x, 0.5f, 0.5f)), value);
 }
 
+TEST(Filter, TheCubicPicksEachVoxelInProportionToItsWeight) {
+    constexpr int kNumbers = 100000;  // evenly spaced, so that counts are off by the rounding of one or two
+    for (float f = 0; f <= 1; f += 0.0625f) {
+        int counts[4] = {};
+        for (int s = 0; s < kNumbers; ++s)
+            ++counts[pick_cubic_offset(f, (static_cast<float>(s) + 0.5f) / kNumbers) + 1];
+        for (int v = 0; v < 4; ++v)
+            ASSERT_NEAR(counts[v], kNumbers * cubic_b_spline(double{f} - (v - 1)), 2) << f << ' ' << v;
+    }
+}
+
 TEST(Filter, TheCubicsTopmostVoxelHasNoPartAtIntegers) {
     EXPECT_EQ(pick_cubic_offset(0, 0), -1);
     EXPECT_EQ(pick_cubic_offset(0, kOneMinusEpsilon), 1);
