@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every operation of shading programs against values worked out by hand.
+#include "grids/volume_fields.h"
 #include "shading/program.h"
 
 #include <gtest/gtest.h>
@@ -24,6 +25,7 @@ struct Fixture {
     Instance instance;
     std::vector<Image> images;
     ShadingPoint point;
+    VolumeFields fields;  // a number and a vector that grow along x; their first voxel is at (10, 20, 30)
     TextureContext context;
 
     Fixture() {
@@ -48,6 +50,16 @@ struct Fixture {
         point.ng = point.ns = {0, 0, 1};
         point.wo = normalize(Vec3f(1, 0, 1));
         point.ray_kind = kGlossyRay;
+
+        const auto ramp = [](float first) {
+            const float values[8] = {first, first, first, first, first + 1, first + 1, first + 1, first + 1};
+            return brick_grid_of_dense({0, 0, 0}, {2, 2, 2}, values);
+        };
+        const double moved[16] = {1, 0, 0, -10, 0, 1, 0, -20, 0, 0, 1, -30, 0, 0, 0, 1};
+        const Transform index_from_world = transform_of(moved);
+        fields = VolumeFields({{{ramp(10), nullptr, nullptr}, index_from_world},
+                               {{ramp(1), ramp(2), ramp(3)}, index_from_world}});
+        point.volume = &fields;
 
         Image image;
         image.name = "two by one";
@@ -128,6 +140,9 @@ const std::vector<Row>& rows() {
          s(0.5f),
          2},  // Perlin noise is 0 at lattice points
         {Op::noise, {{3, 5, 7}, s(1), {2, 0.5f, 2}, s(0)}, s(0), 4},
+        {Op::grid, {{10.25f, 20, 30}}, s(10.25f), 0},
+        {Op::grid, {{10.25f, 20, 30}}, {1.25f, 2.25f, 3.25f}, 1},
+        {Op::grid, {{10.25f, 20, 30}}, s(0), 2},
         {Op::gradient, {{0.3f, 9, 9}}, s(0.3f), 0},
         {Op::ramp, {s(0.25f)}, {0.5f, 1, 2}, 2, {0, 1, 2, 1, 1, 2, 5, 5, 5}},
         {Op::ramp, {s(7)}, {5, 5, 5}, 2, {0, 1, 2, 1, 1, 2, 5, 5, 5}},

@@ -75,7 +75,7 @@ TEST(SceneErrors, BadCoefficientsAreNamed) {
     for (const float g : {1.0f, -1.0f, 2.0f, kNan})
         expect_words(with([&](VolumeClosure& c) { c.phase.a = g; }), {"the cloud", "anisotropy"});
     expect_words(complaint([](SceneSource& s) {
-                     s.world.volume.push_back({Rgb(-1), Rgb(0), Rgb(0), 0, "", ""});
+                     s.world.volume.emplace_back().sigma_s = Rgb(-1);
                  }),
                  {"world", "negative"});
 }
@@ -107,7 +107,11 @@ TEST(SceneErrors, BadLampsCamerasAndProgramsAreNamed) {
 TEST(SceneErrors, MissingVolumeFilesAreNamed) {
     expect_words(
         complaint([](SceneSource& s) {
-            VolumeSource v{"smoke", "/nowhere/smoke.vdb", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+            VolumeSource v;
+            v.name = "smoke";
+            v.path = "/nowhere/smoke.vdb";
+            for (std::size_t i = 0; i < 16; ++i)
+                v.world_from_object[i] = i % 5 == 0 ? 1 : 0;
             s.volumes.push_back(v);
         }),
         {"smoke", "/nowhere/smoke.vdb"});

@@ -162,7 +162,7 @@ TEST(FindMedia, SeesEachInstanceTheWorldAndWhatTheirVisibilityAllows) {
     source.instances.push_back(instance_of(0, {-1, 1, 1}, {0, 0, 1}));  // mirrored, overlapping
     source.instances.back().materials = {0};
     source.instances.back().visibility = kShadowRay;
-    source.world.volume.push_back({Rgb(0.1f), Rgb(0), Rgb(0), 0, "", ""});
+    source.world.volume.emplace_back().sigma_s = Rgb(0.1f);
     const Scene scene(std::move(source));
     Segment segment;
     const Ray ray{{0.1f, 0.2f, 5}, {0, 0, -1}, 0, 10};
