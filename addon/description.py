@@ -107,7 +107,8 @@ class Mesh:
 class Instance:
     """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none:
     a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index:
-    object's."""
+    object's. dielectric_priority: where objects with one overlap, only that of the highest is there; 0 takes
+    no part."""
 
     name: str
     mesh: int
@@ -117,6 +118,7 @@ class Instance:
     random: float = 0.0
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
+    dielectric_priority: int = 0
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,10 @@ ADOPTED = {
 }
 
 
+# Types of objects that are meshes or become one.
+SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
+
+
 class _Ours:
     """Mixin: a panel of the properties editor, shown when Nephele renders."""
 
@@ -100,6 +104,23 @@ class NEPHELE_PT_passes(_Ours, bpy.types.Panel):
                 column.prop(layer.nephele, toggle_name(row))
 
 
+class NEPHELE_PT_object(_Ours, bpy.types.Panel):
+    """Settings of an object that can be made of a dielectric."""
+
+    bl_label = "Nephele"
+    bl_context = "object"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type in SOLID and super().poll(context)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.layout.prop(context.object.nephele, "dielectric_priority")
+
+
 class _NodePanel(_Ours):
     """Mixin: the tree of nodes behind one socket of the output node. block: "material", "world" or
     "light"."""
@@ -140,6 +161,7 @@ def _node_panel(block, context, socket, label, closed=False):
 CLASSES = (
     *(_group_panel(*row) for row in GROUPS),
     NEPHELE_PT_passes,
+    NEPHELE_PT_object,
     _node_panel("material", "material", "Surface", "Surface"),
     _node_panel("material", "material", "Volume", "Volume"),
     _node_panel("world", "world", "Surface", "Surface"),

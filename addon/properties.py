@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's properties: `Scene.nephele` from parameters.PARAMETERS, `ViewLayer.nephele` from
-passes.PASSES."""
+passes.PASSES, `Object.nephele`."""
 
 import bpy
 
@@ -68,7 +68,23 @@ class NepheleLayerSettings(bpy.types.PropertyGroup):
         return getattr(self, toggle_name(row))
 
 
-CLASSES = (NepheleSceneSettings, NepheleLayerSettings)
+class NepheleObjectSettings(bpy.types.PropertyGroup):
+    """What Nephele wants to know of an object."""
+
+    dielectric_priority: bpy.props.IntProperty(
+        name="Dielectric Priority",
+        description=(
+            "Where closed objects with a priority overlap, only the one of the highest is there: let water "
+            "reach a little into its glass, and give the glass the higher priority. 0: the object takes no "
+            "part, and its surface borders on air"
+        ),
+        default=0,
+        min=0,
+        max=100,
+    )
+
+
+CLASSES = (NepheleSceneSettings, NepheleLayerSettings, NepheleObjectSettings)
 
 
 def register():
@@ -76,9 +92,11 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Scene.nephele = bpy.props.PointerProperty(type=NepheleSceneSettings)
     bpy.types.ViewLayer.nephele = bpy.props.PointerProperty(type=NepheleLayerSettings)
+    bpy.types.Object.nephele = bpy.props.PointerProperty(type=NepheleObjectSettings)
 
 
 def unregister():
+    del bpy.types.Object.nephele
     del bpy.types.ViewLayer.nephele
     del bpy.types.Scene.nephele
     for cls in reversed(CLASSES):

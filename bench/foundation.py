@@ -14,6 +14,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,6 @@ from bench import cycles, ours  # noqa: E402  the project's root is on the path 
 
 SCENES = {"cloud": (480, 270), "smoke": (240, 320)}
 SAMPLES, BOUNCES = 16, 16
-LIMITS = dict.fromkeys(("max_bounces", "surface_bounces", "volume_bounces"), BOUNCES)
 GRID_SIZE = 320  # voxels along an edge of the memory test's grid
 
 
@@ -39,21 +39,37 @@ def relative_mse(image, reference):
     return float(np.mean((image - reference) ** 2 / (reference**2 + 0.01)))
 
 
-def compare_scene(name, repeats):
-    """Returns one row: medians of CPU seconds and relMSE of both renderers on a bundled scene."""
-    path = ROOT / "blend_scenes" / name / f"{name}.blend"
+@dataclass(frozen=True)
+class Workload:
+    """A .blend to render with both. bounces: of each kind, and of all together."""
+
+    path: Path
+    resolution: tuple
+    samples: int = SAMPLES
+    bounces: int = BOUNCES
+
+
+def compare(work, repeats):
+    """Returns one row: medians of CPU seconds and relMSE of both renderers."""
     rows = []
+    limits = dict.fromkeys(("max_bounces", "surface_bounces", "volume_bounces"), work.bounces)
+    shared = {"pixel_filter": "box", "threads": 2, **limits}
     with tempfile.TemporaryDirectory() as folder:
-        scene = ours.export(path, folder, SCENES[name])
-        shared = {"pixel_filter": "box", "threads": 2, **LIMITS}
-        reference = ours.render(scene, (1000,), samples=16 * SAMPLES, **shared)[0]["Combined"][0]
+        scene = ours.export(work.path, folder, work.resolution)
+        reference = ours.render(scene, (1000,), samples=16 * work.samples, **shared)[0]["Combined"][0]
         for seed in range(1, repeats + 1):
             job = cycles.Job(
-                str(path), SCENES[name], SAMPLES, (seed,), BOUNCES, pixel_filter="BOX", persistent=False
+                str(work.path),
+                work.resolution,
+                work.samples,
+                (seed,),
+                work.bounces,
+                pixel_filter="BOX",
+                persistent=False,
             )
             theirs = cycles.render(job)
             before = cpu_seconds()
-            mine, stats = ours.render(scene, (seed,), samples=SAMPLES, **shared)
+            mine, stats = ours.render(scene, (seed,), samples=work.samples, **shared)
             rows.append(
                 {
                     "cycles_cpu": float(theirs.cpu_seconds[0]),
@@ -142,8 +158,9 @@ def main():
     parser.add_argument("--repeats", type=int, default=3)
     arguments = parser.parse_args()
     results = {"memory": measure_memory(), "scenes": {}}
-    for name in SCENES:
-        results["scenes"][name] = compare_scene(name, arguments.repeats)
+    for name, resolution in SCENES.items():
+        path = ROOT / "blend_scenes" / name / f"{name}.blend"
+        results["scenes"][name] = compare(Workload(path, resolution), arguments.repeats)
     out = ROOT / "out" / "bench"
     out.mkdir(parents=True, exist_ok=True)
     (out / "foundation.json").write_text(json.dumps(results, indent=2))

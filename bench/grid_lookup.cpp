@@ -92,6 +92,10 @@ int main(int argc, char** argv) {
             LoadedGrid loaded;
             const double load = seconds([&] { loaded = load_grid(argv[1], argv[2]); });
             std::printf("%s %s: loaded in %.1f ms\n", argv[1], argv[2], load * 1e3);
+            for (const std::string& warning : loaded.warnings)
+                std::printf("%s\n", warning.c_str());
+            if (!loaded.grid)
+                return 2;
             run(*loaded.grid);
             return 0;
         }

@@ -8,6 +8,7 @@ from .. import description
 from .camera import export_camera
 from .context import Context, ExportError
 from .film import export_film, export_settings
+from .motion import shutter
 from .nodes import compile_world
 from .objects import Objects
 
@@ -40,6 +41,7 @@ def export_scene(depsgraph, *, engine=None):
         lights=tuple(objects.lights),
         world=world,
         warnings=tuple(context.warnings),
+        shutter=shutter(context.scene.render),
     )
 
 
@@ -47,7 +49,10 @@ def _check_scene(context):
     """Warns about settings of the scene that we do not have."""
     scene = context.scene
     if scene.render.use_motion_blur:
-        context.warn(f"scene '{scene.name}': motion blur is not supported; everything stands still")
+        context.warn(
+            f"scene '{scene.name}': motion blur of objects and the camera is not supported; they stand still "
+            "(volumes with a velocity grid are blurred)"
+        )
     working_space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
     if working_space != "Linear Rec.709":
         context.warn(

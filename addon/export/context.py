@@ -44,13 +44,14 @@ class Context:
             self.images.append(read_image(image, user, self.warn))
         return self._image_numbers[image.name_full]
 
-    def material_number(self, material, grids=False):
+    def material_number(self, material, grids=None):
         """Returns (number, UV maps, attributes) of Blender's `material`; -1 for None.
 
-        grids: the material is for a VDB volume or fluid domain, where only its volume shader counts.
+        grids: volume_grids.Grids of the VDB volume or fluid domain that it is for, where only its volume
+        shader counts; None for meshes.
         """
         if material is None:
-            return (self._default_volume() if grids else -1), {}, {}
+            return (-1 if grids is None else self._default_volume()), {}, {}
         key = (material.name_full, grids)
         if key not in self._known_materials:
             compiled, uvs, attributes = compile_material(material, self, grids)
@@ -60,7 +61,7 @@ class Context:
 
     def _default_volume(self):
         """Returns the number of the material of volumes without one: Principled Volume as Blender adds it."""
-        key = ("", True)
+        key = ""
         if key not in self._known_materials:
             closure = description.VolumeClosure((0.5,) * 3, (0.5,) * 3, density_grid="density")
             self._known_materials[key] = (len(self.materials), {}, {})

@@ -27,6 +27,13 @@ def hash_pair(first, second):
     return _mix(c, b, 24)
 
 
+def random_number(instance):
+    """Returns Object Info's Random in [0, 1]: Blender's for instances, from the name for other objects, as in
+    Cycles."""
+    bits = instance.random_id if instance.is_instance else hash_pair(hash_text(instance.object.name), 0)
+    return (bits & 0xFFFFFFFF) / 0xFFFFFFFF
+
+
 def _mix(target, source, bits):
     rotated = ((source << bits) | (source >> (32 - bits))) & MASK
     return ((target ^ source) - rotated) & MASK

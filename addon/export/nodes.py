@@ -4,13 +4,15 @@
 import bpy
 
 from .. import description
-from . import nodes_color, nodes_input, nodes_math, nodes_texture
+from . import nodes_color, nodes_input, nodes_math, nodes_texture, nodes_volume_input
 from .nodes_closure import compile_closures
 from .nodes_program import ONE, ProgramTooLarge, constant
 from .nodes_tree import Compiler, relay, upstream
-from .nodes_volume import VolumeCompiler
+from .nodes_volume import compile_volume
+from .nodes_volume_input import VolumeCompiler
 
 HANDLERS = nodes_input.HANDLERS | nodes_math.HANDLERS | nodes_color.HANDLERS | nodes_texture.HANDLERS
+VOLUME_HANDLERS = HANDLERS | nodes_volume_input.HANDLERS
 
 
 def active_output(tree):
@@ -34,10 +36,11 @@ def finished(compiler):
         return description.Program()
 
 
-def compile_material(material, context, grids):
+def compile_material(material, context, grids=None):
     """Returns (description.Material, UV map names -> number, attribute names -> number).
 
-    material: Blender's, with or without nodes. grids: whether attributes of its volume shader are grids.
+    material: Blender's, with or without nodes. grids: volume_grids.Grids of the volume that it is for, where
+    only its volume shader counts; None for meshes.
     """
     owner = f"material '{material.name}'"
     compiler = Compiler(owner, "material", context, HANDLERS, material.pass_index)
@@ -52,11 +55,13 @@ def compile_material(material, context, grids):
         return description.Material(material.name, description.Program()), {}, {}
     if upstream(output.inputs["Displacement"]) is not None:
         compiler.warn(output, "displacement is not supported; the surface stays as it is")
-    volume = VolumeCompiler(compiler, grids).compile(output.inputs["Volume"])
+    volume = compile_volume(
+        VolumeCompiler(owner, context, VOLUME_HANDLERS, grids, material.pass_index), output.inputs["Volume"]
+    )
     has_surface = upstream(output.inputs["Surface"]) is not None
     has_volume = upstream(output.inputs["Volume"]) is not None
     surface = None
-    if not grids and (has_surface or not has_volume):
+    if grids is None and (has_surface or not has_volume):
         compile_closures(compiler, output.inputs["Surface"], ())
         surface = finished(compiler)
     return description.Material(material.name, surface, volume), compiler.uvs, compiler.attributes
@@ -66,15 +71,16 @@ def compile_world(world, context):
     """Returns the description.World of Blender's world (None: black)."""
     if world is None:
         return description.World()
-    compiler = Compiler(f"world '{world.name}'", "world", context, HANDLERS)
+    owner = f"world '{world.name}'"
+    compiler = Compiler(owner, "world", context, HANDLERS)
     if not uses_nodes(world):
         compiler.builder.closure("emission", ONE, (constant(tuple(world.color)), ONE))
         return description.World(background=compiler.builder.finish())
     output = active_output(world.node_tree)
     if output is None:
-        context.warn(f"world '{world.name}': has no active World Output node; it is black")
+        context.warn(f"{owner}: has no active World Output node; it is black")
         return description.World()
-    volume = VolumeCompiler(compiler, grids=False).compile(output.inputs["Volume"])
+    volume = compile_volume(VolumeCompiler(owner, context, VOLUME_HANDLERS, None), output.inputs["Volume"])
     compile_closures(compiler, output.inputs["Surface"], ())
     program = finished(compiler)
     return description.World(background=program if program.closures else None, volume=volume)

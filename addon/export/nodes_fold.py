@@ -199,8 +199,8 @@ FOLD = {
         "inverse_sqrt": lambda a: np.where(a > 0, 1 / np.sqrt(np.where(a > 0, a, 1.0)), 0.0),
         "absolute": np.abs,
         "exponent": np.exp,
-        "minimum": np.minimum,
-        "maximum": np.maximum,
+        "minimum": lambda a, b: np.where(b < a, b, a),  # no number in b leaves a, as natively
+        "maximum": lambda a, b: np.where(a < b, b, a),
         "less_than": lambda a, b: (a < b).astype(float),
         "greater_than": lambda a, b: (a > b).astype(float),
         "sign": np.sign,

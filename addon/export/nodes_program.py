@@ -47,14 +47,29 @@ def constant(value):
 ZERO, ONE = constant(0.0), constant(1.0)
 
 
+def _neutral_product(a, b):
+    if a.is_zero or b.is_zero:
+        return ZERO
+    return b if a.is_one else a if b.is_one else None
+
+
+# operation -> function of its operands that returns the Value it leaves as it is, or None. A product with 0
+# is 0 even where the other factor is no finite number.
+NEUTRAL = {
+    "multiply": _neutral_product,
+    "divide": lambda a, b: a if b.is_one or a.is_zero else None,
+    "add": lambda a, b: b if a.is_zero else a if b.is_zero else None,
+    "subtract": lambda a, b: a if b.is_zero else None,
+    "mix": lambda a, b, fac: a if fac.is_zero else b if fac.is_one else None,
+}
+
+
 class ProgramBuilder:
     """Collects instructions and closures of one program."""
 
     def __init__(self):
-        self._instructions = []  # (op, operands, parameter offset, mode)
+        self.instructions = []  # (op, operands, parameters, mode), the one that writes Value.register
         self._known = {}  # instruction -> its Value
-        self._parameters = []
-        self._tables = {}  # parameters already stored -> offset
         self._closures = []  # (kind, weight, inputs, mode), Values in place of registers
 
     def emit(self, op, *operands, parameters=(), mode=0):
@@ -65,10 +80,12 @@ class ProgramBuilder:
             with np.errstate(all="ignore"):
                 folded = np.broadcast_to(FOLD[op](*arrays, parameters=parameters, mode=mode), 3)
             return constant(tuple(folded.astype(np.float32)))
-        key = (op, operands, self._offset(parameters), mode)
+        if op in NEUTRAL and (same := NEUTRAL[op](*operands)) is not None:
+            return same
+        key = (op, operands, tuple(float(p) for p in parameters), mode)
         if key not in self._known:
-            self._known[key] = Value(register=len(self._instructions))
-            self._instructions.append(key)
+            self._known[key] = Value(register=len(self.instructions))
+            self.instructions.append(key)
         return self._known[key]
 
     def closure(self, kind, weight, inputs, mode=0):
@@ -79,15 +96,17 @@ class ProgramBuilder:
         if not weight.is_zero:
             self._closures.append((kind, weight, tuple(inputs), mode))
 
-    def finish(self):
-        """Returns the description.Program; raises ProgramTooLarge."""
-        last_use = self._last_uses()
-        registers = _Registers()
-        for value in self._used_values(last_use):
+    def finish(self, closures=None):
+        """Returns the description.Program of the closures added, or of `closures` (kind, weight, inputs,
+        mode) in their place; raises ProgramTooLarge."""
+        closures = self._closures if closures is None else closures
+        last_use = self._last_uses(closures)
+        registers, tables = _Registers(), _Tables()
+        for value in self._used_values(last_use, closures):
             if value.constant is not None:
                 registers.hold_constant(value)
         code = []
-        for index, (op, operands, offset, mode) in enumerate(self._instructions):
+        for index, (op, operands, parameters, mode) in enumerate(self.instructions):
             if index not in last_use:
                 continue
             places = [registers.of(value) for value in operands] + [0] * (4 - len(operands))
@@ -96,48 +115,56 @@ class ProgramBuilder:
                 for value in set(operands)
                 if value.constant is None and last_use[value.register] == index
             )
-            code.append((OP_INDEX[op], registers.allot(index), *places, offset, mode))
-        closures = tuple(
+            code.append((OP_INDEX[op], registers.allot(index), *places, tables.offset(parameters), mode))
+        rows = tuple(
             description.Closure(
                 kind, registers.of(weight), tuple(-1 if v is None else registers.of(v) for v in inputs), mode
             )
-            for kind, weight, inputs, mode in self._closures
+            for kind, weight, inputs, mode in closures
         )
         return description.Program(
             registers=registers.initial(),
             code=np.array(code, np.int32).reshape(-1, 8),
-            parameters=np.array(self._parameters, np.float32),
-            closures=closures,
+            parameters=np.array(tables.parameters, np.float32),
+            closures=rows,
         )
 
-    def _offset(self, parameters):
-        key = tuple(float(p) for p in parameters)
-        if key not in self._tables:
-            self._tables[key] = len(self._parameters) if key else 0
-            self._parameters.extend(key)
-        return self._tables[key]
-
-    def _closure_values(self):
-        for _, weight, inputs, _ in self._closures:
-            yield weight
-            yield from (value for value in inputs if value is not None)
-
-    def _last_uses(self):
+    def _last_uses(self, closures):
         """Returns instruction -> number of the last instruction that reads it, for those that a closure
         needs."""
-        end = len(self._instructions)
-        last_use = {value.register: end for value in self._closure_values() if value.constant is None}
+        end = len(self.instructions)
+        last_use = {value.register: end for value in _closure_values(closures) if value.constant is None}
         for index in range(end - 1, -1, -1):
             if index in last_use:
-                for value in self._instructions[index][1]:
+                for value in self.instructions[index][1]:
                     if value.constant is None:
                         last_use.setdefault(value.register, index)
         return last_use
 
-    def _used_values(self, needed):
+    def _used_values(self, needed, closures):
         for index in sorted(needed):
-            yield from self._instructions[index][1]
-        yield from self._closure_values()
+            yield from self.instructions[index][1]
+        yield from _closure_values(closures)
+
+
+def _closure_values(closures):
+    for _, weight, inputs, _ in closures:
+        yield weight
+        yield from (value for value in inputs if value is not None)
+
+
+class _Tables:
+    """The program's parameters: the table of each instruction, equal ones once."""
+
+    def __init__(self):
+        self.parameters = []
+        self._offsets = {(): 0}
+
+    def offset(self, table):
+        if table not in self._offsets:
+            self._offsets[table] = len(self.parameters)
+            self.parameters.extend(table)
+        return self._offsets[table]
 
 
 class _Registers:

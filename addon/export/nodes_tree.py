@@ -14,6 +14,8 @@ VECTORS = {"RGBA", "VECTOR"}  # socket types that hold three
 
 def upstream(socket):
     """Returns the output socket linked to input `socket`, or None."""
+    if not socket.is_linked:  # Blender searches all links of the tree for those of a socket
+        return None
     for link in socket.links:
         if link.is_valid and not link.is_muted:
             return link.from_socket

@@ -2,12 +2,13 @@
 """Objects: walks the depsgraph's instances and sorts them into meshes, lights and volumes."""
 
 from .. import description
-from .hash import hash_pair, hash_text
+from .fluids import export_fluid, fluid_domain
+from .hash import random_number
 from .lights import export_light
 from .mesh import MeshRecord
 from .nodes_input import ray_bits
 from .space import matrix4
-from .volumes import export_fluid, export_volume, fluid_domain
+from .volumes import export_volume
 
 CONVERTIBLE = {"CURVE", "FONT", "SURFACE", "META"}  # shown as the mesh that Blender makes of them
 UNSEEN = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE"}
@@ -65,10 +66,10 @@ class Objects:
         if item.type == "LIGHT":
             self.lights.append(export_light(self._context, instance, visibility))
         elif item.type == "VOLUME":
-            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            material = self._material(instance, source)
             self._append_volume(export_volume(self._context, instance, source, material, visibility))
         elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
-            material = self._context.material_number(self._material(instance, source), grids=True)[0]
+            material = self._material(instance, source)
             self._append_volume(export_fluid(self._context, instance, domain, material, visibility))
         elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
             self._add_mesh(instance, source, visibility)
@@ -112,6 +113,7 @@ class Objects:
                 random=random_number(instance),
                 color=tuple(item.color),
                 pass_index=item.pass_index,
+                dielectric_priority=item.nephele.dielectric_priority,
             )
         )
 
@@ -174,13 +176,6 @@ class Objects:
         self._checked.add(item.original.as_pointer())
         for text in unsupported_features(item, self._context):
             self._context.warn(f"object '{item.name}': {text}")
-
-
-def random_number(instance):
-    """Returns Object Info's Random in [0, 1]: Blender's for instances, from the name for other objects, as in
-    Cycles."""
-    bits = instance.random_id if instance.is_instance else hash_pair(hash_text(instance.object.name), 0)
-    return (bits & 0xFFFFFFFF) / 0xFFFFFFFF
 
 
 def unsupported_features(item, context):

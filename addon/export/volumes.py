@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume objects and fluid domains: VDB files placed in the world."""
+"""Volume objects: VDB files placed in the world."""
 
 import os
 import tempfile
@@ -11,15 +11,20 @@ import numpy as np
 
 from .. import description
 from .context import ExportError
-from .space import matrix4, scaling, translation
+from .hash import random_number
+from .motion import is_blurred, velocity_grids, velocity_scale
+from .space import matrix4
+from .volume_grids import volume_grids
+
+PRECISIONS = {"FULL": "full", "HALF": "half", "VARIABLE": "file"}
 
 
 def export_volume(context, instance, source, material, visibility):
     """Returns the description.Volume of an instance of a Volume object, or None for one that is empty at this
     frame.
 
-    source: the object that owns the data, or None for data made by Geometry Nodes. Raises ExportError where
-    its file cannot be read.
+    source: the object that owns the data, or None for data made by Geometry Nodes. material: Blender's.
+    Raises ExportError where its file cannot be read.
     """
     name, data = instance.object.name, instance.object.data
     if data.is_sequence and _outside_sequence(data, context.scene.frame_current):
@@ -37,22 +42,35 @@ def export_volume(context, instance, source, material, visibility):
         _saved(name, data) if temporary else str(Path(bpy.path.abspath(data.grids.frame_filepath)).resolve())
     )
     world_from_object = matrix4(instance.matrix_world)
+    low, high = bounds(instance.object)
+    velocity = velocity_grids(data) if is_blurred(context, instance) else ()
     volume = description.Volume(
         name=name,
         path=path,
         world_from_object=world_from_object,
-        material=material,
+        material=context.material_number(material, volume_grids(data))[0],
         density_scale=density_scale(data.render.space, world_from_object),
         visibility=visibility,
+        clipping=data.render.clipping,
+        precision=PRECISIONS[data.render.precision],
+        velocity_grids=velocity,
+        velocity_scale=velocity_scale(data, context.scene.render) if velocity else 0.0,
+        generated_min=tuple(low.tolist()),
+        generated_size=tuple(np.maximum(high - low, 1e-12).tolist()),
+        random=random_number(instance),
+        color=tuple(instance.object.color),
+        pass_index=instance.object.pass_index,
     )
     if temporary:  # the file lives as long as the description that names it
         weakref.finalize(volume, Path(path).unlink, missing_ok=True)
     return volume
 
 
-def _absolute(path):
-    """Returns Blender's `path` (which may start with //) as an absolute one."""
-    return str(Path(bpy.path.abspath(path)).resolve())
+def bounds(item):
+    """Returns (low, high), (3,) each: the box of an object's volume in its own space, out to the
+    leaves of 8^3 voxels, as Blender measures it."""
+    corners = np.array(item.bound_box)
+    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _saved(name, data):
@@ -78,60 +96,3 @@ def _outside_sequence(data, frame):
     """True on frames where a clipped sequence shows nothing."""
     first = data.frame_start
     return data.sequence_mode == "CLIP" and not first <= frame < first + data.frame_duration
-
-
-def fluid_domain(item):
-    """Returns the domain settings of a gas domain object, or None."""
-    for modifier in item.modifiers:
-        if modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN":
-            settings = modifier.domain_settings
-            if settings is not None and settings.domain_type == "GAS":
-                return settings
-    return None
-
-
-def export_fluid(context, instance, settings, material, visibility):
-    """Returns the description.Volume of a gas domain at this frame; None, with a warning, where its cache has
-    no file."""
-    item, frame = instance.object, _cache_frame(settings, context.scene.frame_current)
-    path = Path(bpy.path.abspath(settings.cache_directory), "data", f"fluid_data_{frame:04d}.vdb")
-    if not path.is_file():
-        context.warn(
-            f"fluid domain '{item.name}': no cache of frame {frame} ('{path}'); it is left out. Bake "
-            "the fluid"
-        )
-        return None
-    if settings.use_noise:
-        context.warn(
-            f"fluid domain '{item.name}': the noise (high resolution) cache is not supported; the "
-            "base is used"
-        )
-    if settings.use_adaptive_domain:
-        context.warn(
-            f"fluid domain '{item.name}': adaptive domains are not supported; the gas may be out of place"
-        )
-    return description.Volume(
-        name=item.name,
-        path=str(path.resolve()),
-        world_from_object=matrix4(instance.matrix_world) @ object_from_cache(item, settings.resolution_max),
-        material=material,
-        visibility=visibility,
-    )
-
-
-def _cache_frame(settings, frame):
-    """Returns the frame of the cache files shown at scene frame `frame`."""
-    return frame if settings.cache_type == "REPLAY" else frame - settings.cache_frame_offset
-
-
-def object_from_cache(item, resolution_max):
-    """Returns (4, 4), from the cache file's space to the domain object's.
-
-    The file has world-sized voxels (the object's own scale is in them) without place: cell i's value stands
-    at i voxels, and its centre is at i + 1/2 voxels from the corner of the domain's bounding box.
-    """
-    corners = np.array(item.bound_box)
-    low, size = corners.min(axis=0), np.ptp(corners, axis=0)
-    scale = np.maximum(np.abs(np.array(item.scale)), 1e-12)
-    voxel = np.max(size * scale) / resolution_max
-    return translation(low) @ scaling(1 / scale) @ translation(np.full(3, voxel / 2))

@@ -38,7 +38,12 @@ struct ShadingPoint {
     const Mesh* mesh = nullptr;
     const VolumeFields* volume = nullptr;  ///< grids that a volume's program reads; null elsewhere
     bool backfacing = false;
+    float outside_ior = 1;  ///< index of refraction around the surface: 1 but for nested dielectrics
     std::uint32_t ray_kind = kCameraRay;
+    float time = 0;  ///< of the shutter, in [0, 1]
+
+    /// Whether p is a point; the background's is a direction.
+    bool is_place() const { return instance || volume; }
 };
 
 /// A direction drawn from a BSDF.

@@ -57,6 +57,13 @@ void matrix(nb::handle object, const char* attribute, double (&out)[16]) {
         bad_array(attribute, "4 x 4 float64");
     std::copy(view.data(), view.data() + 16, out);
 }
+/// A matrix world_from_...: `origin` becomes the origin of the world.
+void placement(nb::handle object, const char* attribute, const std::array<double, 3>& origin,
+               double (&out)[16]) {
+    matrix(object, attribute, out);
+    for (std::size_t a = 0; a < 3; ++a)
+        out[4 * a + 3] -= origin[a];
+}
 
 template <class Enum>
 Enum choice(nb::handle object, const char* attribute,
@@ -131,7 +138,10 @@ PhaseFunction phase_function(nb::handle p) {
     const auto* found = std::find(kPhaseKindNames, end, kind);
     if (found == end)
         throw std::invalid_argument("phase function '" + kind + "' is not known");
-    return {static_cast<PhaseKind>(found - kPhaseKindNames), value<float>(p, "a"), value<float>(p, "b")};
+    const float a = value<float>(p, "a"), b = value<float>(p, "b");
+    if (!std::isfinite(a) || !std::isfinite(b))
+        throw std::invalid_argument("a parameter of phase function '" + kind + "' is not finite");
+    return make_phase(static_cast<PhaseKind>(found - kPhaseKindNames), a, b);
 }
 
 VolumeClosure volume_closure(nb::handle c) {
@@ -139,14 +149,10 @@ VolumeClosure volume_closure(nb::handle c) {
         const nb::object name = c.attr(attribute);
         return name.is_none() ? std::string() : nb::cast<std::string>(name);
     };
-    VolumeClosure out{rgb(c, "sigma_s"),
-                      rgb(c, "sigma_a"),
-                      rgb(c, "emission"),
-                      phase_function(c.attr("phase")),
-                      grid("density_grid"),
-                      grid("emission_grid"),
-                      program(c.attr("program")),
-                      {}};
+    VolumeClosure out{rgb(c, "sigma_s"),          rgb(c, "sigma_a"),
+                      rgb(c, "emission"),         phase_function(c.attr("phase")),
+                      grid("density_grid"),       grid("emission_grid"),
+                      program(c.attr("program")), {}};
     for (nb::handle name : nb::borrow<nb::object>(c.attr("grids")))
         out.grids.push_back(nb::cast<std::string>(name));
     return out;
@@ -199,14 +205,15 @@ std::array<float, 4> color(nb::handle object) {
             nb::cast<float>(rgba[3])};
 }
 
-Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_count) {
+Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_count,
+                  const std::array<double, 3>& origin) {
     Instance out;
     out.name = text(i, "name");
     out.mesh = value<std::uint32_t>(i, "mesh");
     if (out.mesh >= mesh_count)
         throw std::invalid_argument("its mesh does not exist");
     double m[16];
-    matrix(i, "world_from_object", m);
+    placement(i, "world_from_object", origin, m);
     out.world_from_object = transform_of(m);
     out.object_from_world = inverse_of(m);
     for (nb::handle material : nb::borrow<nb::object>(i.attr("materials"))) {
@@ -222,14 +229,15 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.random = value<float>(i, "random");
     out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
+    out.dielectric_priority = value<int>(i, "dielectric_priority");
     return out;
 }
 
-VolumeSource volume(nb::handle v, std::size_t material_count) {
+VolumeSource volume(nb::handle v, std::size_t material_count, const std::array<double, 3>& origin) {
     VolumeSource out;
     out.name = text(v, "name");
     out.path = text(v, "path");
-    matrix(v, "world_from_object", out.world_from_object);
+    placement(v, "world_from_object", origin, out.world_from_object);
     out.material = value<std::uint32_t>(v, "material");
     if (out.material >= material_count)
         throw std::invalid_argument("its material does not exist");
@@ -269,13 +277,13 @@ Image image(nb::handle i) {
     return out;
 }
 
-LampDescription lamp(nb::handle l) {
+LampDescription lamp(nb::handle l, const std::array<double, 3>& origin) {
     using Kind = LampDescription::Kind;
     LampDescription out;
     out.name = text(l, "name");
     out.kind = choice<Kind>(
         l, "kind", {{"point", Kind::point}, {"sun", Kind::sun}, {"spot", Kind::spot}, {"area", Kind::area}});
-    matrix(l, "world_from_light", out.world_from_light);
+    placement(l, "world_from_light", origin, out.world_from_light);
     out.power = rgb(l, "power");
     out.normalize = value<bool>(l, "normalize");
     out.radius = value<float>(l, "radius");
@@ -316,22 +324,38 @@ CameraDescription camera(nb::handle c) {
     return out;
 }
 
+/// Far from the origin single precision is coarse (6 cm at 1000 km): there the world is moved, so that the
+/// camera is near its origin. Returns what became the origin.
+std::array<double, 3> move_origin(CameraDescription& camera) {
+    constexpr double kFar = 4096;
+    std::array<double, 3> origin{};
+    double* m = camera.world_from_camera;
+    if (std::max({std::fabs(m[3]), std::fabs(m[7]), std::fabs(m[11])}) < kFar)
+        return origin;
+    for (std::size_t a = 0; a < 3; ++a) {
+        origin[a] = std::round(m[4 * a + 3]);
+        m[4 * a + 3] -= origin[a];
+    }
+    return origin;
+}
+
 }  // namespace
 
 SceneSource scene_source_of(nb::handle scene) {
     SceneSource out;
     out.camera = camera(scene.attr("camera"));
+    out.origin = move_origin(out.camera);
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
         return Material{text(m, "name"), program(m.attr("surface")), volume_closures(m)};
     });
     out.instances = list<Instance>(scene, "instances", [&](nb::handle i) {
-        return instance(i, out.meshes.size(), out.materials.size());
+        return instance(i, out.meshes.size(), out.materials.size(), out.origin);
     });
-    out.volumes =
-        list<VolumeSource>(scene, "volumes", [&](nb::handle v) { return volume(v, out.materials.size()); });
+    out.volumes = list<VolumeSource>(
+        scene, "volumes", [&](nb::handle v) { return volume(v, out.materials.size(), out.origin); });
     out.images = list<Image>(scene, "images", image);
-    out.lamps = list<LampDescription>(scene, "lights", lamp);
+    out.lamps = list<LampDescription>(scene, "lights", [&](nb::handle l) { return lamp(l, out.origin); });
     const nb::object world = scene.attr("world");
     out.world.background = program(world.attr("background"));
     out.world.volume = volume_closures(world);

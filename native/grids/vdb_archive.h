@@ -7,6 +7,7 @@
 // end.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -46,7 +47,12 @@ class VdbReader : public openvdb::io::Archive {
 
     const std::vector<VdbDescriptor>& descriptors() const { return descriptors_; }
     std::istream& stream() { return stream_; }
-    const VdbDescriptor& find(const std::string& grid_name) const;
+    /// The first grid of that name; null where there is none. "name[1]" and so on pick one of several.
+    const VdbDescriptor* find(const std::string& grid_name) const;
+    /// Number of grids of that name.
+    std::size_t count(const std::string& grid_name) const;
+    /// The names of all grids, for messages.
+    std::string names() const;
     /// The descriptor whose tree `d` uses: itself, or the grid it is an instance of.
     const VdbDescriptor& tree_owner(const VdbDescriptor& d) const;
     /// Leaves the stream in front of the transform.
@@ -154,28 +160,38 @@ inline void VdbReader::skip_grid(const VdbDescriptor& d) {
     read_transform(d);
     if (!d.parent.empty())
         return;
-    const bool is_scalar = with_vdb_tree(stream_, d.type, d.half, [](auto& tree) {
+    const bool known = with_vdb_tree(stream_, d.type, d.half, [](auto& tree) {
         decltype(tree.background()) values[BrickGrid::kBrickVoxels];
         for (std::size_t n = tree.leaves().size(); n > 0; --n)
             tree.read_leaf(values);
     });
-    if (!is_scalar)
+    if (!known)
         read_openvdb_grid(d, true);
 }
 
-inline const VdbDescriptor& VdbReader::find(const std::string& grid_name) const {
-    std::string names;
-    for (const VdbDescriptor& d : descriptors_) {
-        if (d.shown_name() == grid_name)
-            return d;
-        names += (names.empty() ? "" : ", ") + d.shown_name();
-    }
+inline const VdbDescriptor* VdbReader::find(const std::string& grid_name) const {
     for (const VdbDescriptor& d : descriptors_) {
         if (d.name == grid_name)
-            return d;
+            return &d;
     }
-    throw std::runtime_error("has no grid \"" + grid_name +
-                             "\"; its grids: " + (names.empty() ? "none" : names));
+    for (const VdbDescriptor& d : descriptors_) {
+        if (d.shown_name() == grid_name)
+            return &d;
+    }
+    return nullptr;
+}
+
+inline std::size_t VdbReader::count(const std::string& grid_name) const {
+    return static_cast<std::size_t>(
+        std::count_if(descriptors_.begin(), descriptors_.end(),
+                      [&](const VdbDescriptor& d) { return d.name == grid_name; }));
+}
+
+inline std::string VdbReader::names() const {
+    std::string names;
+    for (const VdbDescriptor& d : descriptors_)
+        names += (names.empty() ? "" : ", ") + d.shown_name();
+    return names.empty() ? "none" : names;
 }
 
 inline const VdbDescriptor& VdbReader::tree_owner(const VdbDescriptor& d) const {

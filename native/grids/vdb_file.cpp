@@ -10,8 +10,8 @@
 #include "grids/vdb_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -27,25 +27,59 @@ namespace nephele {
 
 namespace {
 
-/// What a stored value means to the renderer.
-struct ValueMap {
-    bool is_level_set = false;
-    float fog_scale = 0;  // level sets: 1 / the background, which is half the width of their narrow band
-    std::int64_t replaced = 0;
+constexpr float kLargestHalf = 65504;
 
-    /// Level sets: 0 outside, growing inwards to 1 across half the narrow band. Others: the value; NaN,
-    /// infinite and negative ones become 0, and count as `voxels` replaced.
-    template <typename Value>
-    float operator()(const Value& value, std::int64_t voxels) {
-        auto v = static_cast<float>(value);
-        if (is_level_set)
-            v = v < 0 ? std::min(-v * fog_scale, 1.0f) : v >= 0 ? 0 : v;
-        if (v >= 0 && v <= std::numeric_limits<float>::max())
-            return v;
-        replaced += voxels;
-        return 0;
+/// What a stored value means to the renderer, and how many voxels it had to change.
+class ValueMap {
+  public:
+    ValueMap(const GridOptions& options, VoxelType type)
+        : keep_negative_(options.keep_negative),
+          clipping_(options.keep_negative ? -std::numeric_limits<float>::infinity() : options.clipping),
+          largest_(type == VoxelType::half_float ? kLargestHalf : std::numeric_limits<float>::max()) {}
+
+    /// The `Count` components of a value that fills `voxels` voxels.
+    template <std::size_t Count>
+    void operator()(float (&v)[Count], std::int64_t voxels) {
+        bool wrong = false, beyond = false;
+        for (const float x : v)
+            wrong |= !std::isfinite(x) || (x < 0 && !keep_negative_);
+        for (float& x : v) {
+            beyond |= !wrong && std::fabs(x) > largest_;
+            x = wrong || x < clipping_ ? 0 : std::clamp(x, -largest_, largest_);
+        }
+        wrong_ += wrong ? voxels : 0;
+        beyond_ += beyond ? voxels : 0;
     }
+
+    void warn(std::vector<std::string>& warnings) const {
+        if (wrong_ > 0) {
+            warnings.push_back("has " + std::to_string(wrong_) + " voxels that are NaN" +
+                               (keep_negative_ ? " or infinite" : ", infinite or negative") +
+                               ": they count as 0");
+        }
+        if (beyond_ > 0) {
+            warnings.push_back("has " + std::to_string(beyond_) +
+                               " voxels beyond 65504, the largest number of half precision: they count as "
+                               "that; use full precision");
+        }
+    }
+
+  private:
+    bool keep_negative_;
+    float clipping_, largest_;
+    std::int64_t wrong_ = 0, beyond_ = 0;
 };
+
+/// The components of a stored number or vector as floats.
+template <typename Value, std::size_t Count>
+void to_floats(const Value& value, float (&out)[Count]) {
+    if constexpr (Count == 3) {
+        for (int a = 0; a < 3; ++a)
+            out[a] = static_cast<float>(value[a]);
+    } else {
+        out[0] = static_cast<float>(value);
+    }
+}
 
 /// The box of all that is set apart from the background.
 template <typename Reader>
@@ -63,25 +97,45 @@ IndexBox extent_of(const Reader& tree) {
     return box;
 }
 
-template <typename Reader>
-std::shared_ptr<const BrickGrid> bricks_of(Reader& tree, VoxelType type, ValueMap& map) {
-    BrickGridBuilder builder(extent_of(tree), map(tree.background(), 0), type, tree.leaves().size());
+template <std::size_t Count>
+using Components = std::array<std::shared_ptr<const BrickGrid>, Count>;
+
+/// The grid, or the grids of its three components, in one pass over the leaves.
+template <std::size_t Count, typename Reader>
+Components<Count> bricks_of(Reader& tree, VoxelType type, ValueMap& map) {
+    float value[Count];
+    to_floats(tree.background(), value);
+    map(value, 0);
+    std::vector<BrickGridBuilder> builders;
+    const IndexBox extent = extent_of(tree);
+    for (const float background : value)
+        builders.emplace_back(extent, background, type, tree.leaves().size());
     for (const auto& tile : tree.tiles()) {
-        builder.set_tile({tile.corner[0], tile.corner[1], tile.corner[2]}, tile.edge,
-                         map(tile.value, tile.edge * tile.edge * tile.edge));
+        to_floats(tile.value, value);
+        map(value, tile.edge * tile.edge * tile.edge);
+        for (std::size_t a = 0; a < Count; ++a)
+            builders[a].set_tile({tile.corner[0], tile.corner[1], tile.corner[2]}, tile.edge, value[a]);
     }
     decltype(tree.background()) values[BrickGrid::kBrickVoxels];
-    float voxels[BrickGrid::kBrickVoxels];
+    float voxels[Count][BrickGrid::kBrickVoxels];
     for (const auto& leaf : tree.leaves()) {
         tree.read_leaf(values);
-        for (int v = 0; v < BrickGrid::kBrickVoxels; ++v)
-            voxels[v] = map(values[v], 1);
-        builder.set_brick({leaf.corner[0], leaf.corner[1], leaf.corner[2]}, voxels);
+        for (int v = 0; v < BrickGrid::kBrickVoxels; ++v) {
+            to_floats(values[v], value);
+            map(value, 1);
+            for (std::size_t a = 0; a < Count; ++a)
+                voxels[a][v] = value[a];
+        }
+        for (std::size_t a = 0; a < Count; ++a)
+            builders[a].set_brick({leaf.corner[0], leaf.corner[1], leaf.corner[2]}, voxels[a]);
     }
-    return builder.finish(tree.active_voxels(), tree.active_bounds());
+    Components<Count> out;
+    for (std::size_t a = 0; a < Count; ++a)
+        out[a] = builders[a].finish(tree.active_voxels(), tree.active_bounds());
+    return out;
 }
 
-void store_transform(const openvdb::math::Transform& transform, LoadedGrid& out) {
+void store_transform(const openvdb::math::Transform& transform, GridPlacement& out) {
     if (!transform.isLinear()) {
         throw std::runtime_error(
             "has a frustum transform, which is not affine: resample it to a regular grid");
@@ -99,34 +153,57 @@ void store_transform(const openvdb::math::Transform& transform, LoadedGrid& out)
     }
 }
 
-LoadedGrid read_grid(VdbReader& reader, const VdbDescriptor& d) {
-    LoadedGrid out;
-    const openvdb::MetaMap metadata = reader.read_metadata(d);
+template <typename Value>
+VoxelType voxel_type(GridOptions::Precision precision, bool stored_as_halves) {
+    using Precision = GridOptions::Precision;
+    using Element = typename openvdb::VecTraits<Value>::ElementType;
+    constexpr bool kFits = std::is_same_v<Value, bool> || std::is_same_v<Element, openvdb::math::half>;
+    const bool real = openvdb::io::RealToHalf<Value>::isReal;
+    const bool half = precision == Precision::half ||
+                      (precision == Precision::file && (kFits || (real && stored_as_halves)));
+    return half ? VoxelType::half_float : VoxelType::single_float;
+}
+
+/// Why a grid of this kind is no volume of `Count` components; empty where it is one.
+template <std::size_t Count>
+std::string refusal(const VdbDescriptor& d, const openvdb::MetaMap& metadata) {
     const auto grid_class = metadata.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_GRID_CLASS);
+    if (d.type.starts_with("Tree_pt"))
+        return "holds points, not a volume: rasterise them into a fog volume";
+    if (Count == 1 && grid_class && grid_class->value() == "level set" && !is_vector_type(d.value_type()))
+        return "is a level set, a surface and not a volume: convert it to a fog volume";
+    if (is_vector_type(d.value_type()) == (Count == 3))
+        return {};
+    return "is of type " + d.value_type() + " (" + d.type +
+           (Count == 1 ? "); a density must be a number: float, double, half, int32, int64, bool or mask"
+                       : "); a velocity must be a vector: vec3s, vec3d, vec3h or vec3i");
+}
+
+/// Fills `out`; empty components, with a warning, where the grid is none of that kind.
+template <std::size_t Count>
+Components<Count> read_grid(VdbReader& reader, const VdbDescriptor& d, const GridOptions& options,
+                            GridPlacement& out) {
+    Components<Count> grids;
     const VdbDescriptor& owner = reader.tree_owner(d);
-    store_transform(reader.read_transform(d), out);
-    reader.read_transform(owner);
-    const bool is_scalar = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](auto& tree) {
-        using Value = decltype(tree.background());
-        ValueMap map;
-        if (std::is_floating_point_v<Value> && grid_class && grid_class->value() == "level set") {
-            map.is_level_set = true;
-            map.fog_scale = 1 / static_cast<float>(tree.background());
-            out.warnings.push_back("is a level set: its inside is taken as a fog of density 1");
-        }
-        const bool half = std::is_same_v<Value, bool> || (std::is_floating_point_v<Value> && owner.half);
-        out.grid =
-            bricks_of(tree, half && !map.is_level_set ? VoxelType::half_float : VoxelType::single_float, map);
-        if (map.replaced > 0) {
-            out.warnings.push_back("has " + std::to_string(map.replaced) +
-                                   " voxels that are NaN, infinite or negative: they count as 0");
-        }
-    });
-    if (!is_scalar) {
-        throw std::runtime_error("is of type " + d.value_type() + " (" + d.type +
-                                 "); a density must be a scalar: float, double, int32, int64, bool or mask");
+    std::string reason = refusal<Count>(d, reader.read_metadata(d));
+    if (reason.empty()) {
+        store_transform(reader.read_transform(d), out);
+        reader.read_transform(owner);
+        const bool known = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](auto& tree) {
+            using Value = decltype(tree.background());
+            if constexpr (kIsVector<Value> == (Count == 3)) {
+                const VoxelType type = voxel_type<Value>(options.precision, owner.half);
+                ValueMap map(options, type);
+                grids = bricks_of<Count>(tree, type, map);
+                map.warn(out.warnings);
+            }
+        });
+        if (!known)
+            reason = "is of type " + d.value_type() + " (" + d.type + "), which is unknown here";
     }
-    return out;
+    if (!reason.empty())
+        out.warnings.push_back(reason + "; it is left out");
+    return grids;
 }
 
 GridInfo read_info(VdbReader& reader, const VdbDescriptor& d) {
@@ -152,11 +229,11 @@ GridInfo read_info(VdbReader& reader, const VdbDescriptor& d) {
     }
     const VdbDescriptor& owner = reader.tree_owner(d);
     reader.read_transform(owner);
-    const bool is_scalar = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](const auto& tree) {
+    const bool known = with_vdb_tree(reader.stream(), owner.type, owner.half, [&](const auto& tree) {
         info.active_voxels = tree.active_voxels();
         info.active_bounds = tree.active_bounds();
     });
-    if (!is_scalar && GridBase::isRegistered(owner.type)) {
+    if (!known && GridBase::isRegistered(owner.type)) {
         const GridBase::Ptr grid = reader.read_openvdb_grid(owner, false);
         const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
         info.active_voxels = static_cast<std::int64_t>(grid->activeVoxelCount());
@@ -181,17 +258,50 @@ auto naming(const std::string& what, const F& f) {
     }
 }
 
-}  // namespace
+std::uint64_t next_id() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
 
-LoadedGrid load_grid(const std::string& path, const std::string& grid_name) {
+/// Reads the grid of that name into `out`; empty components, with a warning, where there is none.
+template <std::size_t Count>
+Components<Count> load_components(const std::string& path, const std::string& grid_name,
+                                  const GridOptions& options, GridPlacement& out) {
+    out.id = next_id();
     const auto reader = naming(path, [&] { return std::make_unique<VdbReader>(path); });
-    const VdbDescriptor& d = naming(
-        path, [&]() -> std::reference_wrapper<const VdbDescriptor> { return reader->find(grid_name); });
-    const std::string what = path + ": grid \"" + d.shown_name() + '"';
-    LoadedGrid out = naming(what, [&] { return read_grid(*reader, d); });
+    const VdbDescriptor* d = reader->find(grid_name);
+    if (!d) {
+        out.warnings.push_back(path + " has no grid \"" + grid_name + "\"; its grids: " + reader->names());
+        return {};
+    }
+    const std::string what = path + ": grid \"" + d->shown_name() + '"';
+    if (const std::size_t count = reader->count(grid_name); count > 1)
+        out.warnings.push_back("is one of " + std::to_string(count) + " of this name: the first is used");
+    Components<Count> grids = naming(what, [&] { return read_grid<Count>(*reader, *d, options, out); });
     for (std::string& warning : out.warnings)
         warning = what + ' ' + warning;
+    return grids;
+}
+
+}  // namespace
+
+LoadedGrid load_grid(const std::string& path, const std::string& grid_name, const GridOptions& options) {
+    LoadedGrid out;
+    out.grid = load_components<1>(path, grid_name, options, out)[0];
     return out;
+}
+
+LoadedVectorGrid load_vector_grid(const std::string& path, const std::string& grid_name,
+                                  const GridOptions& options) {
+    LoadedVectorGrid out;
+    GridOptions signed_options = options;
+    signed_options.keep_negative = true;
+    out.components = load_components<3>(path, grid_name, signed_options, out);
+    return out;
+}
+
+bool is_vector_type(const std::string& type) {
+    return type == "vec3s" || type == "vec3d" || type == "vec3h" || type == "vec3i";
 }
 
 std::vector<GridInfo> list_grids(const std::string& path) {

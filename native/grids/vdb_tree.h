@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tree of an OpenVDB grid of scalars, as its bytes stream by. Only vdb_file.cpp may include this.
+// The tree of an OpenVDB grid of numbers or vectors, as its bytes stream by. Only vdb_file.cpp may include
+// this.
 //
 // The format (versions 222 and newer): root, then upper nodes of 32^3 lower nodes of 16^3 leaves, depth
 // first, with masks and tile values; then, in the same order, the voxels of the leaves. Parsing it here, with
@@ -37,7 +38,7 @@ class MemoryStream : private std::streambuf, public std::istream {
 
 enum class VdbLeafKind { values, bools, mask };
 
-/// Value: float, double, int32, int64 or bool. The stream must throw at its end and carry OpenVDB's tags.
+/// Value: one of those in with_vdb_tree(). The stream must throw at its end and carry OpenVDB's tags.
 template <typename Value>
 class VdbTreeReader {
   public:
@@ -230,7 +231,8 @@ void VdbTreeReader<Value>::read_block(Value* out, openvdb::Index count) {
         return;
     std::istream* source = &stream_;
     if (compression_ & (COMPRESS_BLOSC | COMPRESS_ZIP)) {
-        const std::int64_t bytes = std::int64_t{count} * (half_ ? 2 : std::int64_t{sizeof(Value)});
+        constexpr auto kHalf = std::int64_t{sizeof(typename RealToHalf<Value>::HalfT)};
+        const std::int64_t bytes = count * (half_ ? kHalf : std::int64_t{sizeof(Value)});
         const auto size = read<std::int64_t>();
         if (size <= 0 ? -size != bytes : size > bytes + 64)
             damaged();
@@ -253,28 +255,42 @@ void VdbTreeReader<Value>::read_block(Value* out, openvdb::Index count) {
           : readData<Value>(*source, out, count, compression_);
 }
 
-/// Reads the topology of a grid of scalars, in front of whose tree the stream stands, and calls f(tree
-/// reader). Returns false where `type` is not one of them.
+template <typename Value>
+inline constexpr bool kIsVector = openvdb::VecTraits<Value>::IsVec;
+
+/// Reads the topology of a grid of numbers or vectors, in front of whose tree the stream stands, and calls
+/// f(tree reader). Returns false where `type` is neither.
 template <typename F>
 bool with_vdb_tree(std::istream& stream, const std::string& type, bool reals_are_halves, const F& f) {
-    const auto call = [&]<typename Value>(Value, VdbLeafKind kind) {
+    const auto call = [&]<typename Value>(Value, VdbLeafKind kind = VdbLeafKind::values) {
         VdbTreeReader<Value> tree(stream, reals_are_halves, kind);
         tree.read_topology();
         f(tree);
         return true;
     };
+    using openvdb::math::half;
     if (type == "Tree_float_5_4_3")
-        return call(float{}, VdbLeafKind::values);
+        return call(float{});
     if (type == "Tree_double_5_4_3")
-        return call(double{}, VdbLeafKind::values);
+        return call(double{});
+    if (type == "Tree_half_5_4_3")
+        return call(half{});
     if (type == "Tree_int32_5_4_3")
-        return call(std::int32_t{}, VdbLeafKind::values);
+        return call(std::int32_t{});
     if (type == "Tree_int64_5_4_3")
-        return call(std::int64_t{}, VdbLeafKind::values);
+        return call(std::int64_t{});
     if (type == "Tree_bool_5_4_3")
         return call(bool{}, VdbLeafKind::bools);
     if (type == "Tree_mask_5_4_3")
         return call(bool{}, VdbLeafKind::mask);
+    if (type == "Tree_vec3s_5_4_3")
+        return call(openvdb::Vec3s{});
+    if (type == "Tree_vec3d_5_4_3")
+        return call(openvdb::Vec3d{});
+    if (type == "Tree_vec3i_5_4_3")
+        return call(openvdb::Vec3i{});
+    if (type == "Tree_vec3h_5_4_3")
+        return call(openvdb::Vec3H{});
     return false;
 }
 

@@ -8,7 +8,7 @@
 
 #include "integrators/integrator.h"
 #include "math/transform.h"
-#include "tracking/ratio.h"
+#include "tracking/transmittance.h"
 
 namespace nephele {
 
@@ -104,8 +104,7 @@ inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Ve
     if (is_zero(T) || !scene.features().media)
         return T;
     scene.find_media(ray, kShadowRay, ws.shadow);
-    return T * estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global,
-                                      sampler.rng(), ws.counters);
+    return T * estimate_transmittance(ws.shadow, settings, sampler.rng(), ws.counters);
 }
 
 }  // namespace nephele

@@ -6,7 +6,7 @@
 
 #include "film/film.h"
 #include "scene/scene.h"
-#include "tracking/delta.h"
+#include "tracking/free_flight.h"
 
 namespace nephele {
 

@@ -44,9 +44,8 @@ class Path {
             if (request_.features && first_ == First::none && hit.valid())
                 record_surface(scene_, shading(hit), out_, recorded_);
             if (!ws_.segment.empty()) {
-                const Flight flight = sample_flight(
-                    ws_.segment, ws_.tracking, settings_.tracking == Settings::Tracking::delta,
-                    settings_.majorant == Settings::Majorant::global, beta_, sampler_.rng(), ws_.counters);
+                const Flight flight =
+                    sample_flight(ws_.segment, ws_.tracking, settings_, beta_, sampler_.rng(), ws_.counters);
                 add_volume_emission(flight.emitted);
                 if (flight.event == Flight::Event::absorbed)
                     return false;

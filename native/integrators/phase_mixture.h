@@ -6,7 +6,7 @@
 #include <span>
 
 #include "phase/phase_function.h"
-#include "tracking/delta.h"
+#include "tracking/flight.h"
 
 namespace nephele {
 

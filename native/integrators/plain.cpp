@@ -18,16 +18,31 @@ struct Collision {
     PhaseFunction phase;
 };
 
-/// Density of a medium, by its true trilinear filter.
-float density(const Medium& m, Vec3f p, Counters& counters) {
-    if (!m.density)
-        return 1;
-    counters.density_lookups += 8;
-    return m.density->grid->trilinear(m.density->index_from_world.point(p));
+/// A medium at a point of the segment, by its true filter.
+struct Point {
+    MediumPoint coefficients;
+    Rgb emission;
+};
+
+Point medium_at(const Medium& m, const Segment& segment, float t, Counters& counters) {
+    const Vec3f p = segment.ray.at(t);
+    if (m.program) {
+        ++counters.density_lookups;
+        const VolumePoint at{p, -segment.ray.d, segment.ray_kind};
+        return {m.program->coefficients(at), m.program->emission(at)};
+    }
+    float density = 1;
+    if (m.grid) {
+        counters.density_lookups += 8;
+        density = m.grid->evaluate(m.filter, m.bounds->index_from_world.point(p));
+    }
+    const float emission = m.density_scales_emission ? density : 1;
+    return {{m.sigma_s * density, m.sigma_t * density, m.phase}, m.emission * emission};
 }
 
 float global_majorant(const Medium& m, int channel) {
-    return m.sigma_t[channel] * (m.density ? m.density->majorants->global_majorant() : 1);
+    const float scale = m.bounds ? m.bounds->majorants.global_majorant() : 1;
+    return m.program ? scale : scale * m.sigma_t[channel];
 }
 
 /// Woodcock tracking of one channel through all media of the segment, anew from each point where one begins
@@ -54,19 +69,18 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
         for (const Interval& i : segment.intervals) {
             if (t < i.t0 || t >= i.t1)
                 continue;
-            if (step < kInfinity && i.medium->emission[channel] > 0) {
-                const Vec3f p = segment.ray.at(t + step * rng.next());
-                emitted += i.medium->emission[channel] * step *
-                           (i.medium->density_scales_emission ? density(*i.medium, p, counters) : 1);
+            if (step < kInfinity && i.medium->emits()) {
+                const float at = t + step * rng.next();
+                emitted += medium_at(*i.medium, segment, at, counters).emission[channel] * step;
             }
             if (next >= change)
                 continue;
-            const float d = density(*i.medium, segment.ray.at(next), counters);
-            sigma_t += d * i.medium->sigma_t[channel];
-            const float s = d * i.medium->sigma_s[channel];
+            const MediumPoint m = medium_at(*i.medium, segment, next, counters).coefficients;
+            sigma_t += m.sigma_t[channel];
+            const float s = m.sigma_s[channel];
             sigma_s += s;
             if (s > 0 && rng.next() * sigma_s < s)
-                phase = i.medium->phase;
+                phase = m.phase;
         }
         t = std::min(next, change);
         if (next >= change)

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "integrators/integrator.h"
-#include "tracking/ratio.h"
+#include "tracking/transmittance.h"
 
 namespace nephele {
 
@@ -28,8 +28,7 @@ inline void record_transmittance(const Scene& scene, const Settings& settings, c
         return;
     scene.find_media(ray, kCameraRay, ws.shadow);
     Rng rng = sampler.aside();  // so that asking for this pass does not change the others
-    out.transmittance =
-        estimate_transmittance(ws.shadow, settings.majorant == Settings::Majorant::global, rng, ws.counters);
+    out.transmittance = estimate_transmittance(ws.shadow, settings, rng, ws.counters);
 }
 
 }  // namespace nephele

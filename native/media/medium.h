@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A medium: one set of coefficients, constant or scaled by the density of one grid, that fills one region of
-// space. Regions may overlap each other in any number; at a point the coefficients of all media there add up.
+// A medium: coefficients, constant or scaled by the density of one grid or computed by a program, that fill
+// one region of space. Regions may overlap each other in any number; at a point the coefficients of all media
+// there add up.
 #pragma once
 
 #include <cstdint>
@@ -9,32 +10,29 @@
 #include <string>
 #include <vector>
 
-#include "base/medium.h"
-#include "math/transform.h"
 #include "grids/brick_grid.h"
-#include "grids/majorant_grid.h"
+#include "math/transform.h"
+#include "media/medium_bounds.h"
 #include "phase/phase_function.h"
 
 namespace nephele {
 
-/// The scalar field that scales a medium's coefficients.
-struct DensityField {
-    std::shared_ptr<const BrickGrid> grid;
-    std::shared_ptr<const MajorantGrid> majorants;
-    Transform index_from_world;
-};
-
-/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr). The field scales sigma_s and sigma_t, or emission alone.
+/// One of three: constant; scaled by the density of a grid; computed by a program.
+/// sigma_s, sigma_t: 1/m at density 1; emission: W/(m^3 sr); unused with a program.
 struct Medium {
     std::string name;
     std::uint32_t region = 0;  ///< index of the region it fills, see Region
     Rgb sigma_s, sigma_t, emission;
     PhaseFunction phase;
-    std::optional<DensityField> density;  ///< none: 1 everywhere
-    bool density_scales_emission = false;
+    std::shared_ptr<const BrickGrid> grid;         ///< its density; none: 1 everywhere
+    std::shared_ptr<const ProgramMedium> program;  ///< computes all coefficients
+    std::shared_ptr<const MediumBounds> bounds;    ///< of what varies; none where nothing does
+    Filter filter = Filter::trilinear;
+    bool density_scales_emission = false;  ///< the grid scales emission alone, not sigma_s and sigma_t
 
     float sigma_t_max() const { return max_component(sigma_t); }
-    bool interacts() const { return sigma_t_max() > 0; }
+    bool interacts() const { return program ? program->interacts() : sigma_t_max() > 0; }
+    bool emits() const { return program ? program->emits() : !is_zero(emission); }
 };
 
 /// Where media are. A region holds the media media_begin <= i < media_end of the scene.
@@ -55,6 +53,15 @@ struct Region {
     Region(std::string region_name, Kind region_kind, std::uint32_t visible_to)
         : name(std::move(region_name)), kind(region_kind), visibility(visible_to) {}
 
+    /// Makes it the box between these points of index space.
+    void set_box(const IndexBox& box, const Transform& index_from_world_) {
+        index_from_world = index_from_world_;
+        for (int a = 0; a < 3; ++a) {
+            const auto i = static_cast<std::size_t>(a);
+            box_min[a] = static_cast<float>(box.min[i]);
+            box_max[a] = static_cast<float>(box.max[i]);
+        }
+    }
     /// The ray's parameters inside the box, or nothing.
     std::optional<Vec2f> intersect_box(const Ray& ray) const {
         const Vec3f o = index_from_world.point(ray.o), d = index_from_world.vector(ray.d);

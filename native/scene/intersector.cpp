@@ -8,9 +8,12 @@
 #endif
 
 #include <atomic>
+#include <deque>
 #include <map>
 #include <stdexcept>
 #include <string>
+
+#include "scene/watertight.h"
 
 namespace nephele {
 
@@ -44,6 +47,50 @@ void run_filter(const RTCFilterFunctionNArguments* args) {
     const bool front = ray.dir_x * hit.Ng_x + ray.dir_y * hit.Ng_y + ray.dir_z * hit.Ng_z < 0;
     if (!query.filter->accept(found, front != (*query.flipped)[found.instance]))
         args->valid[0] = 0;
+}
+
+/// Triangles that Embree asks us about.
+struct OwnFaces {
+    const float* vertices;
+    const std::int32_t* triangles;
+    float slack;  ///< of boxes, for the rounding of vertices as the ray sees them
+
+    Vec3f corner(unsigned face, unsigned i) const {
+        const float* p = vertices + 3 * static_cast<std::size_t>(triangles[3 * std::size_t{face} + i]);
+        return {p[0], p[1], p[2]};
+    }
+};
+
+void bound_face(const RTCBoundsFunctionArguments* args) {
+    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
+    const Vec3f a = faces.corner(args->primID, 0), b = faces.corner(args->primID, 1),
+                c = faces.corner(args->primID, 2);
+    const Vec3f lo = min(a, min(b, c)) - Vec3f(faces.slack), hi = max(a, max(b, c)) + Vec3f(faces.slack);
+    RTCBounds& out = *args->bounds_o;
+    out.lower_x = lo.x, out.lower_y = lo.y, out.lower_z = lo.z;
+    out.upper_x = hi.x, out.upper_y = hi.y, out.upper_z = hi.z;
+}
+
+void intersect_face(const RTCIntersectFunctionNArguments* args) {
+    if (args->valid[0] == 0)
+        return;
+    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
+    const auto& query = *reinterpret_cast<const Query*>(args->context);
+    auto& [ray, hit] = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    const WatertightRay line({ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z});
+    const auto met = line.meet(faces.corner(args->primID, 0), faces.corner(args->primID, 1),
+                               faces.corner(args->primID, 2));
+    if (!met || !(met->t >= ray.tnear && met->t <= ray.tfar))
+        return;
+    const unsigned instance = query.context.instID[0];
+    const Hit found{met->t, instance == RTC_INVALID_GEOMETRY_ID ? args->geomID : instance, args->primID,
+                    met->u, met->v};
+    if (query.filter != nullptr &&
+        !query.filter->accept(found, met->front != (*query.flipped)[found.instance]))
+        return;
+    ray.tfar = met->t;
+    hit.u = met->u, hit.v = met->v;
+    hit.primID = args->primID, hit.geomID = args->geomID, hit.instID[0] = instance;
 }
 
 RTCRay rtc_ray(const Ray& r) {
@@ -84,10 +131,12 @@ struct Intersector::Impl {
     std::vector<RTCScene> shared;  ///< one per mesh that several instances use
     std::atomic<std::ptrdiff_t> memory{0};
     std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
+    Faces faces;
+    std::deque<OwnFaces> own;  ///< by geometry, where faces are watertight
     std::vector<bool>
         flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
 
-    Impl() : device(rtcNewDevice(nullptr)) {
+    explicit Impl(Faces f) : device(rtcNewDevice(nullptr)), faces(f) {
         if (device == nullptr)
             throw std::runtime_error("Embree could not be started");
         const auto monitor = [](void* self, ssize_t bytes, bool) {
@@ -117,7 +166,18 @@ struct Intersector::Impl {
         return scene;
     }
 
-    RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count) {
+    RTCGeometry watertight_triangles(const Mesh& mesh, const float* vertices, float slack) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangle_count()));
+        rtcSetGeometryUserData(geometry, &own.emplace_back(OwnFaces{vertices, mesh.triangles.data(), slack}));
+        rtcSetGeometryBoundsFunction(geometry, bound_face, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, intersect_face);
+        return geometry;
+    }
+
+    RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count, float slack) {
+        if (faces == Faces::watertight)
+            return watertight_triangles(mesh, vertices, slack);
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         if (vertices == mesh.positions.data()) {
             // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array:
@@ -140,7 +200,7 @@ struct Intersector::Impl {
 
     /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance
     /// would.
-    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object) {
+    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object, float slack) {
         const std::size_t count = mesh.positions.size() / 3;
         std::vector<float>& out =
             placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
@@ -149,7 +209,7 @@ struct Intersector::Impl {
             const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
             out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
         }
-        return triangles(mesh, out.data(), count);
+        return triangles(mesh, out.data(), count, slack);
     }
 
     RTCGeometry instance(RTCScene scene, const Transform& m) {
@@ -169,12 +229,56 @@ struct Intersector::Impl {
     }
 };
 
+namespace {
+
+/// Largest coordinate of the instances in the world.
+float reach_of(std::span<const Mesh> meshes, std::span<const Instance> instances,
+               std::span<const std::uint32_t> used) {
+    std::vector<float> of_mesh(meshes.size(), -1);
+    float reach = 0;
+    for (const std::uint32_t i : used) {
+        float& own = of_mesh[instances[i].mesh];
+        if (own < 0) {
+            own = 0;
+            for (const float x : meshes[instances[i].mesh].positions)
+                own = std::max(own, std::fabs(x));
+        }
+        const Transform& m = instances[i].world_from_object;
+        for (int a = 0; a < 3; ++a) {
+            const Vec3f row = m.row[static_cast<std::size_t>(a)];
+            reach = std::max(reach, std::fabs(m.translation[a]) +
+                                        own * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
+        }
+    }
+    return reach;
+}
+
+/// The most that a metre of the world measures in a mesh's own space, among its instances.
+float object_scale(std::span<const Instance> instances, std::span<const std::uint32_t> used,
+                   std::uint32_t mesh) {
+    float scale = 0;
+    for (const std::uint32_t i : used) {
+        if (instances[i].mesh != mesh)
+            continue;
+        for (const Vec3f row : instances[i].object_from_world.row)
+            scale = std::max(scale, length(row));
+    }
+    return scale;
+}
+
+}  // namespace
+
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                         std::span<const std::uint32_t> used)
-    : impl_(std::make_unique<Impl>()), empty_(used.empty()) {
+                         std::span<const std::uint32_t> used, Faces faces)
+    : impl_(std::make_unique<Impl>(faces)), empty_(used.empty()) {
     std::map<std::uint32_t, int> uses;
     for (const std::uint32_t i : used)
         ++uses[instances[i].mesh];
+    if (faces == Faces::watertight)
+        reach_ = reach_of(meshes, instances, used);
+    constexpr float kRounding =
+        1e-6f;  // of a vertex as a ray sees it that starts no further away than a few reaches
+    const float slack = kRounding * reach_;
     std::map<std::uint32_t, RTCScene> shared;
     impl_->flipped.resize(instances.size());
     for (const std::uint32_t i : used) {
@@ -182,13 +286,16 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
         const Mesh& mesh = meshes[instance.mesh];
         if (uses[instance.mesh] == 1) {
             impl_->flipped[i] = instance.mirrored();
-            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object), i);
+            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object, slack), i);
             continue;
         }
         RTCScene& scene = shared[instance.mesh];
         if (scene == nullptr) {
             scene = impl_->shared.emplace_back(impl_->new_scene());
-            Impl::attach(scene, impl_->triangles(mesh, mesh.positions.data(), mesh.positions.size() / 3), 0);
+            Impl::attach(scene,
+                         impl_->triangles(mesh, mesh.positions.data(), mesh.positions.size() / 3,
+                                          slack * object_scale(instances, used, instance.mesh)),
+                         0);
             rtcCommitScene(scene);
         }
         Impl::attach(impl_->top, impl_->instance(scene, instance.world_from_object), i);

@@ -18,7 +18,8 @@ struct Hit {
     float t = kInfinity;
     std::uint32_t instance = ~0u;
     std::uint32_t triangle = 0;
-    float u = 0, v = 0;  ///< barycentric coordinates of corners 1 and 2
+    float u = 0, v = 0;     ///< barycentric coordinates of corners 1 and 2
+    float outside_ior = 1;  ///< index of refraction around the surface, see scene/nesting.h
 
     bool valid() const { return instance != ~0u; }
 };
@@ -32,9 +33,15 @@ class HitFilter {
 
 class Intersector {
   public:
+    /// How a query decides which faces it meets.
+    enum class Faces {
+        fast,  ///< Embree's own test: a ray that grazes an edge or vertex may miss one of the faces there
+        watertight  ///< watertight.h: a closed mesh is entered as often as left. Not for occluded()
+    };
+
     /// Builds the hierarchy over the instances listed. Throws std::runtime_error naming the cause.
     Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                std::span<const std::uint32_t> used);
+                std::span<const std::uint32_t> used, Faces faces = Faces::fast);
     ~Intersector();
     Intersector(const Intersector&) = delete;
     Intersector& operator=(const Intersector&) = delete;
@@ -45,6 +52,8 @@ class Intersector {
     /// Whether something in [t_min, t_max] is hit that the filter (if any) accepts. The filter sees every hit
     /// until then, once.
     bool occluded(const Ray& ray, HitFilter* filter = nullptr) const;
+    /// Largest coordinate of all that is there, m; 0 where faces are not watertight.
+    float reach() const { return reach_; }
     /// Memory that Embree holds, bytes.
     std::size_t bytes() const;
 
@@ -56,6 +65,7 @@ class Intersector {
     struct Impl;
     std::unique_ptr<Impl> impl_;
     bool empty_ = true;
+    float reach_ = 0;
 };
 
 }  // namespace nephele

@@ -34,42 +34,17 @@ void check_mesh(const Mesh& mesh) {
         throw std::invalid_argument("an array does not have one entry per triangle corner");
 }
 
-/// One medium per closure; closures of the same field and phase function are one medium.
-void merge_closures(std::vector<Medium>& media, std::size_t first, Medium medium) {
-    for (std::size_t i = first; i < media.size(); ++i) {
-        Medium& m = media[i];
-        const bool same_field = m.density.has_value() == medium.density.has_value() &&
-                                m.density_scales_emission == medium.density_scales_emission &&
-                                (!m.density || m.density->grid == medium.density->grid);
-        if (!same_field || !(m.phase == medium.phase))
-            continue;
-        m.sigma_s += medium.sigma_s;
-        m.sigma_t += medium.sigma_t;
-        m.emission += medium.emission;
-        return;
-    }
-    media.push_back(std::move(medium));
-}
-
-void check_closure(const VolumeClosure& c) {
-    for (const Rgb& v : {c.sigma_s, c.sigma_a, c.emission}) {
-        if (!is_finite(v) || min_component(v) < 0) {
-            throw std::invalid_argument("a coefficient of its volume shader is negative or not finite");
-        }
-    }
-    if (c.phase.kind == PhaseKind::henyey_greenstein && !(std::fabs(c.phase.a) < 1))
-        throw std::invalid_argument("its anisotropy is not inside (-1, 1)");
-}
-
 }  // namespace
 
-Scene::Scene(SceneSource source) : source_(std::move(source)) {
+Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(source)), settings_(settings) {
     camera_.emplace(source_.camera);
     textures_ = {source_.images,
                  inverse_of(source_.camera.world_from_camera),
                  {static_cast<float>(source_.camera.left), static_cast<float>(source_.camera.right),
                   static_cast<float>(source_.camera.bottom), static_cast<float>(source_.camera.top)},
-                 !camera_->perspective()};
+                 !camera_->perspective(),
+                 Vec3f(static_cast<float>(source_.origin[0]), static_cast<float>(source_.origin[1]),
+                       static_cast<float>(source_.origin[2]))};
     for (const Material& m : source_.materials) {
         if (m.surface)
             naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });
@@ -77,48 +52,29 @@ Scene::Scene(SceneSource source) : source_(std::move(source)) {
     }
     if (source_.world.background)
         naming("world", [&] { validate(*source_.world.background, source_.images.size()); });
-    add_region(Region("world", Region::Kind::world, source_.world.visibility), source_.world.volume, 1,
-               std::nullopt);
     add_meshes();
+    add_world_region();
     add_volumes();
     add_lights();
     decide_features();
 }
 
-void Scene::add_region(Region region, const std::vector<VolumeClosure>& closures, float scale,
-                       const std::optional<DensityField>& field) {
-    region.media_begin = static_cast<std::uint32_t>(media_.size());
-    for (const VolumeClosure& c : closures) {
-        naming(region.name, [&] { check_closure(c); });
-        Medium medium{region.name,
-                      static_cast<std::uint32_t>(regions_.size()),
-                      c.sigma_s * scale,
-                      (c.sigma_s + c.sigma_a) * scale,
-                      c.emission * scale,
-                      c.phase,
-                      c.grid().empty() ? std::nullopt : field,
-                      !c.emission_grid.empty()};
-        if (medium.interacts() || !is_zero(medium.emission))
-            merge_closures(media_, region.media_begin, std::move(medium));
-    }
-    region.media_end = static_cast<std::uint32_t>(media_.size());
-    if (region.media_begin != region.media_end)
-        regions_.push_back(std::move(region));
-}
-
 void Scene::add_meshes() {
     for (const Mesh& mesh : source_.meshes)
         naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
-    std::vector<std::uint32_t> surfaces, boundaries;
+    std::vector<std::uint32_t> surfaces, boundaries, dielectrics;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
+        drop_priority_of_emitter(source_.instances[i]);
         const Instance& instance = source_.instances[i];
         const auto has = [&](auto test) {
             return std::any_of(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
             });
         };
-        if (has([](const Material* m) { return m == nullptr || m->surface; }))
+        if (instance.dielectric_priority > 0)
+            dielectrics.push_back(i);
+        else if (has([](const Material* m) { return m == nullptr || m->surface; }))
             surfaces.push_back(i);
         if (!has([](const Material* m) { return m != nullptr && !m->volume.empty(); }))
             continue;
@@ -129,19 +85,15 @@ void Scene::add_meshes() {
         const std::vector<VolumeClosure>& closures =
             source_.materials[static_cast<std::size_t>(*slot)].volume;
         const std::size_t before = regions_.size();
-        std::vector<VolumeClosure> constant = closures;
-        for (VolumeClosure& c : constant) {  // a mesh has no grids: the factor is 1
-            c.density_grid.clear();
-            c.emission_grid.clear();
-        }
-        add_region(Region(instance.name, Region::Kind::mesh, instance.visibility), constant, 1, std::nullopt);
+        naming(instance.name, [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)
             continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);
         boundaries.push_back(i);
     }
     surfaces_.emplace(source_.meshes, source_.instances, surfaces);
-    boundaries_.emplace(source_.meshes, source_.instances, boundaries);
+    dielectrics_.emplace(source_.meshes, source_.instances, dielectrics, Intersector::Faces::watertight);
+    boundaries_.emplace(source_.meshes, source_.instances, boundaries, Intersector::Faces::watertight);
 }
 
 }  // namespace nephele

@@ -3,6 +3,7 @@
 // what rendering needs: ray tracing hierarchies, grids with their majorants, light distributions.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,10 +25,11 @@ namespace nephele {
 struct VolumeClosure {
     Rgb sigma_s, sigma_a, emission;
     PhaseFunction phase;
-    std::string density_grid;   ///< scales sigma_s and sigma_a; empty: 1 everywhere
-    std::string emission_grid;  ///< scales emission; empty: 1 everywhere. At most one of the two is set
+    std::string density_grid;        ///< scales sigma_s and sigma_a; empty: 1 everywhere
+    std::string emission_grid;       ///< scales emission; empty: 1 everywhere. At most one of the two is set
     std::optional<Program> program;  ///< run at each point in place of all the above
     std::vector<std::string> grids;  ///< that the program reads, by number
+    bool program_has_phase = true;   ///< else `phase` stands
 
     const std::string& grid() const { return density_grid.empty() ? emission_grid : density_grid; }
 };
@@ -47,7 +49,7 @@ struct VolumeSource {
     std::uint32_t visibility = ~0u;
     GridOptions options;
     std::vector<std::string> velocity_grids;  ///< one of vectors or three of numbers; empty: no motion blur
-    float velocity_scale = 0;                 ///< m of the file's space per frame that a value of 1 stands for
+    float velocity_scale = 0;  ///< m of the file's space per frame that a value of 1 stands for
     Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
     float random = 0, pass_index = 0;
     std::array<float, 4> color{1, 1, 1, 1};
@@ -68,6 +70,7 @@ struct SceneSource {
     std::vector<Image> images;
     std::vector<LampDescription> lamps;
     WorldSource world;
+    std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
 };
 
@@ -82,12 +85,19 @@ struct SceneFeatures {
     bool surfaces = false;
     bool transparent_surfaces = false;  ///< shadow rays may pass surfaces
     bool hidden_surfaces = false;       ///< some surface is not visible to some rays
+    bool nested_dielectrics = false;    ///< some object has a dielectric priority
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
 
     /// Names of the features that are there (present) or left out.
     std::vector<std::string> list(bool present) const;
+};
+
+/// A volume object as programs see it.
+struct VolumeObject {
+    Instance instance;
+    Mesh mesh;  ///< without triangles: the box of generated coordinates
 };
 
 /// A grid that was loaded, for statistics.
@@ -100,7 +110,7 @@ class Scene {
   public:
     /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at
     /// fault.
-    explicit Scene(SceneSource source);
+    explicit Scene(SceneSource source, const Settings& settings = {});
 
     const SceneFeatures& features() const { return features_; }
     const Camera& camera() const { return *camera_; }
@@ -135,30 +145,48 @@ class Scene {
   private:
     struct SurfaceFilter;
     struct TransmittanceFilter;
-    struct CrossingCollector;
     std::int32_t material_of(const Hit& hit) const;
+    Rgb transparency(const Hit& hit, const Ray& ray) const;
+    // scene_nesting.cpp
+    float interior_ior(const Crossing& wall, const Ray& ray, std::uint32_t ray_kind) const;
+    Hit nearest_interface(const Ray& ray, std::uint32_t ray_kind, const Hit& hit) const;
+    Rgb interface_transmittance(const Ray& ray) const;
+    void drop_priority_of_emitter(Instance& instance);
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
     void add_meshes();
     void add_volumes();
     void add_lights();
-    /// Adds a region with one medium per closure; `field` scales those that name a grid.
-    void add_region(Region region, const std::vector<VolumeClosure>& closures, float scale,
-                    const std::optional<DensityField>& field);
-    void add_volume(const VolumeSource& volume);
-    std::vector<std::string> grids_to_load(const VolumeSource& volume);
+    // scene_media.cpp
+    Medium constant_medium(const VolumeClosure& closure, float scale) const;
+    Medium program_medium(const VolumeClosure& closure, float scale, VolumeFields fields,
+                          const ShadingPoint& place, const BoundsFrame& frame);
+    BoundsOptions bounds_options() const;
+    std::span<const ImageBounds> image_bounds();
+    /// Adds a region with its media; those that vary and scatter alike become one.
+    void add_region(Region region, std::vector<Medium> media);
+    void add_mesh_region(const Instance& instance, const std::vector<VolumeClosure>& closures);
+    void add_world_region();
+    // scene_volumes.cpp
+    class VolumeBuilder;
+    const VolumeObject& volume_object(const VolumeSource& volume);
     void decide_features();
 
     SceneSource source_;
+    Settings settings_;
     std::vector<ProgramTraits> traits_;  ///< by material; the last entry is the default's
     std::vector<Medium> media_;
     std::vector<Region> regions_;
     std::vector<std::uint32_t> region_of_instance_;  ///< of mesh regions; ~0 elsewhere
     std::vector<std::uint32_t> mesh_light_of_instance_;
-    std::optional<Intersector> surfaces_, boundaries_;
+    std::optional<Intersector> surfaces_;     ///< all but objects with a dielectric priority
+    std::optional<Intersector> boundaries_;   ///< meshes that bound media
+    std::optional<Intersector> dielectrics_;  ///< objects with a dielectric priority
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;
+    std::vector<ImageBounds> image_bounds_;    ///< made when a volume's program asks first
+    std::deque<VolumeObject> volume_objects_;  ///< what programs of volumes ask of their object
     SceneFeatures features_;
     std::vector<std::string> warnings_;
     std::vector<GridUse> grids_;

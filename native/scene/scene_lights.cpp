@@ -72,13 +72,14 @@ void Scene::decide_features() {
     for (const Region& r : regions_)
         f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
-        f.grids |= m.density.has_value();
+        f.grids |= (m.grid || m.program);
         f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
         f.volume_emission |= !is_zero(m.emission);
     }
     f.media = !media_.empty();
     f.overlap = media_.size() > 1;
-    f.surfaces = !surfaces_->empty();
+    f.surfaces = !surfaces_->empty() || !dielectrics_->empty();
+    f.nested_dielectrics = !dielectrics_->empty();
     for (const Instance& instance : source_.instances) {
         f.hidden_surfaces |= (~instance.visibility & 0x3fu) != 0;
         for (const std::int32_t m : instance.materials) {
@@ -109,6 +110,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"surfaces", &SceneFeatures::surfaces},
     {"transparent surfaces", &SceneFeatures::transparent_surfaces},
     {"hidden surfaces", &SceneFeatures::hidden_surfaces},
+    {"nested dielectrics", &SceneFeatures::nested_dielectrics},
     {"lamps", &SceneFeatures::lamps},
     {"mesh lights", &SceneFeatures::mesh_lights},
     {"background", &SceneFeatures::background},

@@ -2,6 +2,7 @@
 // Queries of the scene while rendering: nearest surface, shadow transmittance, media along a ray.
 #include <algorithm>
 
+#include "scene/nesting.h"
 #include "scene/scene.h"
 
 namespace nephele {
@@ -26,27 +27,19 @@ struct Scene::TransmittanceFilter final : HitFilter {
     bool accept(const Hit& hit, bool) override {
         if (!scene.is_surface(hit, kShadowRay))
             return false;
-        const auto material = scene.material_of(hit);
-        if (material < 0 || !scene.traits_[static_cast<std::size_t>(material)].may_transmit_straight)
-            return true;
-        const Program& program = *scene.source_.materials[static_cast<std::size_t>(material)].surface;
-        transmittance *=
-            evaluate_transparency(program, scene.shading_point(hit, ray, kShadowRay), scene.textures_);
+        transmittance *= scene.transparency(hit, ray);
         return is_zero(transmittance);
     }
 };
 
-/// Notes every crossing of a medium's boundary, over the whole ray.
-struct Scene::CrossingCollector final : HitFilter {
-    const Scene& scene;
-    std::vector<Crossing>& crossings;
-
-    CrossingCollector(const Scene& s, std::vector<Crossing>& out) : scene(s), crossings(out) {}
-    bool accept(const Hit& hit, bool front) override {
-        crossings.push_back({hit.t, scene.region_of_instance_[hit.instance], front ? 1 : -1});
-        return false;
-    }
-};
+/// Light that a surface lets straight through along a shadow ray.
+Rgb Scene::transparency(const Hit& hit, const Ray& ray) const {
+    const auto material = material_of(hit);
+    if (material < 0 || !traits_[static_cast<std::size_t>(material)].may_transmit_straight)
+        return Rgb(0);
+    const Program& program = *source_.materials[static_cast<std::size_t>(material)].surface;
+    return evaluate_transparency(program, shading_point(hit, ray, kShadowRay), textures_);
+}
 
 std::int32_t Scene::material_of(const Hit& hit) const {
     const Instance& instance = source_.instances[hit.instance];
@@ -61,25 +54,30 @@ bool Scene::is_surface(const Hit& hit, std::uint32_t ray_kind) const {
 }
 
 Hit Scene::intersect(const Ray& ray, std::uint32_t ray_kind) const {
-    if (surfaces_->empty())
-        return {};
-    if (!features_.hidden_surfaces)
-        return surfaces_->intersect(ray);
-    SurfaceFilter filter(*this, ray_kind);
-    return surfaces_->intersect(ray, &filter);
+    Hit hit;
+    if (!surfaces_->empty() && !features_.hidden_surfaces) {
+        hit = surfaces_->intersect(ray);
+    } else if (!surfaces_->empty()) {
+        SurfaceFilter filter(*this, ray_kind);
+        hit = surfaces_->intersect(ray, &filter);
+    }
+    return features_.nested_dielectrics ? nearest_interface(ray, ray_kind, hit) : hit;
 }
 
 Rgb Scene::surface_transmittance(const Ray& ray) const {
-    if (surfaces_->empty())
-        return Rgb(1);
-    if (!features_.hidden_surfaces && !features_.transparent_surfaces)
-        return Rgb(surfaces_->occluded(ray) ? 0.0f : 1.0f);
-    TransmittanceFilter filter(*this, ray);
-    return surfaces_->occluded(ray, &filter) ? Rgb(0) : filter.transmittance;
+    Rgb T(1);
+    if (!surfaces_->empty() && !features_.hidden_surfaces && !features_.transparent_surfaces) {
+        T = Rgb(surfaces_->occluded(ray) ? 0.0f : 1.0f);
+    } else if (!surfaces_->empty()) {
+        TransmittanceFilter filter(*this, ray);
+        T = surfaces_->occluded(ray, &filter) ? Rgb(0) : filter.transmittance;
+    }
+    return features_.nested_dielectrics && !is_zero(T) ? T * interface_transmittance(ray) : T;
 }
 
 void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const {
     out.ray = ray;
+    out.ray_kind = ray_kind;
     out.intervals.clear();
     const auto media_of = [&](const Region& r) {
         return std::pair(&media_[r.media_begin], &media_[r.media_begin] + (r.media_end - r.media_begin));
@@ -100,19 +98,25 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     }
     if (!features_.mesh_media)
         return;
-    out.crossings.clear();
-    CrossingCollector collector(*this, out.crossings);
-    boundaries_->intersect({ray.o, ray.d, ray.t_min, kInfinity}, &collector);
-    std::sort(out.crossings.begin(), out.crossings.end(), [](const Crossing& a, const Crossing& b) {
-        return std::tie(a.region, a.t, a.sign) < std::tie(b.region, b.t, b.sign);
-    });
-    for (auto first = out.crossings.begin(); first != out.crossings.end();) {
-        const auto last = std::find_if(first, out.crossings.end(),
-                                       [&](const Crossing& c) { return c.region != first->region; });
-        const Region& region = regions_[first->region];
-        const auto [begin, end] = media_of(region);
-        if ((region.visibility & ray_kind) != 0)
-            add_mesh_intervals(&*first, &*first + (last - first), begin, end, out);
+    find_crossings(*boundaries_, source_.instances, ray, ray_kind, out.crossings);
+    std::optional<NestedRay> nested;
+    if (features_.nested_dielectrics && !out.crossings.empty())
+        nested.emplace(*dielectrics_, source_.instances, ray, ray_kind);
+    const Crossing* const end = out.crossings.data() + out.crossings.size();
+    for (const Crossing* first = out.crossings.data(); first != end;) {
+        const Crossing* const last =
+            std::find_if(first, end, [&](const Crossing& c) { return c.instance != first->instance; });
+        const auto media = media_of(regions_[region_of_instance_[first->instance]]);
+        const int priority = source_.instances[first->instance].dielectric_priority;
+        for_each_stay(first, last, [&](const Crossing* entry, const Crossing* exit) {
+            const float t0 = entry ? entry->t : ray.t_min, t1 = exit ? exit->t : kInfinity;
+            const auto add = [&](float a, float b) { add_intervals(media.first, media.second, a, b, out); };
+            if (nested && priority > 0) {
+                nested->visit_outside_above(priority, t0, t1, add);
+            } else {
+                add(t0, t1);
+            }
+        });
         first = last;
     }
 }
@@ -124,6 +128,7 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
     point.instance = &instance;
     point.mesh = &mesh;
     point.triangle = hit.triangle;
+    point.outside_ior = hit.outside_ior;
     point.wo = -ray.d;
     point.ray_kind = ray_kind;
     point.barycentric = {1 - hit.u - hit.v, hit.u, hit.v};
@@ -168,7 +173,7 @@ Rgb Scene::background(Vec3f d, std::uint32_t ray_kind) const {
 }
 
 std::size_t Scene::hierarchy_bytes() const {
-    return surfaces_->bytes() + boundaries_->bytes();
+    return surfaces_->bytes() + boundaries_->bytes() + dielectrics_->bytes();
 }
 
 }  // namespace nephele

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The volumes of a scene: loads the grids that their materials read and places them in the world.
+// The volume objects of a scene: loads the grids that their materials read and places them in the world.
 #include <algorithm>
 #include <set>
 
-#include "grids/vdb_file.h"
+#include "grids/grid_cache.h"
 #include "scene/naming.h"
 #include "scene/scene.h"
 
@@ -11,92 +11,317 @@ namespace nephele {
 
 namespace {
 
-/// The region of a loaded grid: its box, in its own index space.
-Region box_region(const VolumeSource& volume, const LoadedGrid& loaded, Transform& world_from_index) {
-    double matrix[16], file_from_index[16];
-    std::copy(loaded.world_from_index.begin(), loaded.world_from_index.end(), file_from_index);
-    multiply(volume.world_from_object, file_from_index, matrix);
-    world_from_index = transform_of(matrix);
-    Region region(volume.name, Region::Kind::box, volume.visibility);
-    region.index_from_world = inverse_of(matrix);
-    const IndexBox& box = loaded.grid->active_bounds();
-    for (int a = 0; a < 3; ++a) {  // interpolation reaches one voxel beyond the last value
-        region.box_min[a] = static_cast<float>(box.min[static_cast<std::size_t>(a)] - 1);
-        region.box_max[a] = static_cast<float>(box.max[static_cast<std::size_t>(a)] + 1);
+/// A grid of a volume object.
+struct PlacedGrid {
+    VolumeField field;
+    std::uint64_t id = 0;  ///< GridPlacement::id
+    double world_from_index[16];
+    IndexBox box;  ///< of all points where it may differ from its background, or where it is active
+};
+
+bool direct(const VolumeClosure& c, const std::string& grid) {
+    return !c.program && c.grid() == grid;
+}
+
+/// The closure as a program: sigma_s, sigma_a and emission times what their grids say.
+VolumeClosure as_program(const VolumeClosure& c) {
+    VolumeClosure out;
+    Program program;
+    program.registers = {c.sigma_s, c.sigma_a, c.emission, Vec3f(1), {}, {}};
+    if (!c.grid().empty()) {
+        const auto op = [](Op o) { return static_cast<std::int32_t>(o); };
+        program.code.push_back({op(Op::position), 4});
+        program.code.push_back({op(Op::grid), 5, 4});
+        const bool emits = c.density_grid.empty();
+        for (const std::int32_t r : emits ? std::vector<std::int32_t>{2} : std::vector<std::int32_t>{0, 1})
+            program.code.push_back({op(Op::multiply), r, r, 5});
+        out.grids = {c.grid()};
     }
-    return region;
+    ClosureRow row;
+    row.kind = ClosureKind::medium;
+    row.weight = 3;
+    row.inputs = {0, 1, 2, 3, 3};
+    program.closures = {row};
+    out.program = std::move(program);
+    out.phase = c.phase;
+    out.program_has_phase = false;
+    return out;
+}
+
+/// The frame in which a program that reads these grids is bounded: the index space of the first, and a box
+/// that holds all.
+BoundsFrame frame_of(const std::vector<const PlacedGrid*>& grids, const VolumeMotion* motion) {
+    const PlacedGrid& first = *grids.front();
+    BoundsFrame frame{first.field.index_from_world, transform_of(first.world_from_index), {}};
+    for (const PlacedGrid* grid : grids) {
+        const Transform world_from_index = transform_of(grid->world_from_index);
+        Vec3f lo(kInfinity), hi(-kInfinity);  // world
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3f p;
+            for (int a = 0; a < 3; ++a) {
+                const auto i = static_cast<std::size_t>(a);
+                p[a] = static_cast<float>(corner >> a & 1 ? grid->box.max[i] : grid->box.min[i]);
+            }
+            lo = min(lo, world_from_index.point(p));
+            hi = max(hi, world_from_index.point(p));
+        }
+        if (motion) {  // what gets here was carried the other way
+            Vec3f from = lo, to = hi;
+            motion->grow(from, to);
+            const Vec3f reach = max(lo - from, to - hi);
+            lo = lo - max(reach, Vec3f(0));
+            hi = hi + max(reach, Vec3f(0));
+        }
+        for (int corner = 0; corner < 8; ++corner) {
+            const Vec3f p = frame.index_from_world.point(
+                {corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z});
+            frame.box.include({floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)});
+            frame.box.include({floor_to_int(p.x) + 1, floor_to_int(p.y) + 1, floor_to_int(p.z) + 1});
+        }
+    }
+    return frame;
 }
 
 }  // namespace
 
-void Scene::add_volumes() {
-    for (const VolumeSource& volume : source_.volumes) {
-        naming("volume '" + volume.name + "'", [&] { add_volume(volume); });
-    }
-}
+/// Loads the grids of one volume object and makes its media.
+class Scene::VolumeBuilder {
+  public:
+    VolumeBuilder(Scene& scene, const VolumeSource& volume, GridCacheScope& cache)
+        : scene_(scene),
+          volume_(volume),
+          cache_(cache),
+          filter_(static_cast<Filter>(scene.settings_.interpolation)),
+          closures_(scene.source_.materials.at(volume.material).volume) {}
 
-/// Names of the grids that the volume's material reads and its file has; a warning for each that it has not.
-/// Where none is read, the file's first grid, whose box the constant coefficients fill.
-std::vector<std::string> Scene::grids_to_load(const VolumeSource& volume) {
-    std::set<std::string> wanted;
-    for (const VolumeClosure& c : source_.materials.at(volume.material).volume) {
-        if (!c.grid().empty())
-            wanted.insert(c.grid());
-    }
-    std::vector<std::string> available, found;
-    for (const GridInfo& info : list_grids(volume.path))
-        available.push_back(info.name);
-    if (wanted.empty() && !available.empty())
-        return {available.front()};
-    for (const std::string& name : wanted) {
-        if (std::find(available.begin(), available.end(), name) != available.end()) {
-            found.push_back(name);
-            continue;
+    void build() {
+        load();
+        if (first_.empty())
+            return;
+        const auto motion = make_motion();
+        if (motion) {
+            for (VolumeClosure& c : closures_)
+                c = c.program ? c : as_program(c);
         }
-        std::string list;
-        for (const auto& a : available)
-            list += (list.empty() ? "'" : ", '") + a + "'";
-        warnings_.push_back("volume '" + volume.name + "': " + volume.path + " has no grid '" + name +
-                            "' (it has " + (list.empty() ? "none" : list) + "); what reads it is left out");
+        bool constants = true;  // they fill the box of the first grid
+        for (const auto& [name, grid] : grids_) {
+            add_direct(name, grid, constants && !motion);
+            constants = false;
+        }
+        for (const VolumeClosure& c : closures_) {
+            if (c.program)
+                add_program(c, motion);
+        }
     }
-    return found;
-}
 
-void Scene::add_volume(const VolumeSource& volume) {
-    const std::vector<VolumeClosure>& closures = source_.materials.at(volume.material).volume;
-    bool first = true;
-    for (const std::string& name : grids_to_load(volume)) {
-        const LoadedGrid loaded = load_grid(volume.path, name);
-        for (const std::string& w : loaded.warnings)
-            warnings_.push_back("volume '" + volume.name + "': " + w);
-        std::vector<VolumeClosure> mine;  // those that read this grid; constants go with the first
+  private:
+    /// Loads what the closures read, and warns of what is not there. Where they read nothing, the file's
+    /// first grid, whose box the constant coefficients fill.
+    void load() {
+        std::set<std::string> wanted;
+        for (const VolumeClosure& c : closures_) {
+            if (!c.grid().empty())
+                wanted.insert(c.grid());
+            wanted.insert(c.grids.begin(), c.grids.end());
+        }
+        const auto available = cache_.list(volume_.path);
+        if (wanted.empty()) {
+            for (const GridInfo& info : *available) {
+                if (first_.empty() && !is_vector_type(info.type))
+                    load(info.name, volume_.options);
+            }
+        }
+        for (const std::string& name : wanted)
+            load(name, volume_.options);
+    }
+
+    /// Loads a grid into grids_, unless it is there. Null where the file lacks it or it cannot be used.
+    const PlacedGrid* load(const std::string& name, GridOptions options) {
+        if (const auto found = grids_.find(name); found != grids_.end())
+            return &found->second;
+        PlacedGrid grid;
+        const bool vectors = is_vector(name);
+        if (vectors) {
+            const auto loaded = cache_.vector_grid(volume_.path, name, options);
+            place(*loaded, grid);
+            grid.field.components = loaded->components;
+        } else {
+            const auto loaded = cache_.grid(volume_.path, name, options);
+            place(*loaded, grid);
+            grid.field.components[0] = loaded->grid;
+        }
+        if (!grid.field.components[0] || grid.field.components[0]->active_bounds().empty())
+            return nullptr;
+        const Reach reach = reach_of(filter_);
+        grid.box = grid.field.components[0]->active_bounds();
+        std::size_t bytes = 0;
+        for (std::size_t a = 0; a < 3; ++a) {  // interpolation reaches beyond the last value
+            grid.box.min[a] -= reach.above;
+            grid.box.max[a] += reach.above;
+            if (grid.field.components[a])
+                bytes += grid.field.components[a]->bytes();
+        }
+        grid.field.filter = filter_;
+        if (first_.empty())
+            first_ = name;
+        scene_.grids_.push_back({volume_.name, volume_.path, name,
+                                 static_cast<std::size_t>(grid.field.components[0]->active_voxels()), bytes});
+        return &grids_.emplace(name, std::move(grid)).first->second;
+    }
+
+    bool is_vector(const std::string& name) const {
+        const auto available = cache_.list(volume_.path);
+        const auto found = std::find_if(available->begin(), available->end(),
+                                        [&](const GridInfo& info) { return info.name == name; });
+        return found != available->end() && is_vector_type(found->type);
+    }
+
+    void place(const GridPlacement& placement, PlacedGrid& grid) {
+        for (const std::string& w : placement.warnings)
+            warn(w);
+        double index_from_file[16];
+        std::copy(placement.world_from_index.begin(), placement.world_from_index.end(), index_from_file);
+        multiply(volume_.world_from_object, index_from_file, grid.world_from_index);
+        grid.field.index_from_world = inverse_of(grid.world_from_index);
+        grid.id = placement.id;
+    }
+
+    void warn(const std::string& text) {
+        const std::string warning = "volume '" + volume_.name + "': " + text;
+        auto& all = scene_.warnings_;
+        if (std::find(all.begin(), all.end(), warning) == all.end())
+            all.push_back(warning);
+    }
+
+    /// Bounds of a grid's components, which other scenes may have made.
+    std::shared_ptr<const CellBounds> cells_of(const PlacedGrid& grid, std::size_t component) const {
+        const std::string key = std::to_string(static_cast<int>(filter_)) + ' ' + std::to_string(component);
+        return cache_.get_or_make<CellBounds>(
+            key, {grid.id}, [&] { return CellBounds::of_grid(*grid.field.components[component], filter_); });
+    }
+    VolumeField bounded(const PlacedGrid& grid) const {
+        VolumeField field = grid.field;
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (field.components[c])
+                field.bounds[c] = cells_of(grid, c);
+        }
+        return field;
+    }
+
+    std::shared_ptr<const VolumeMotion> make_motion() {
+        const SceneSource& s = scene_.source_;
+        if (volume_.velocity_grids.empty() || s.shutter_open == s.shutter_close ||
+            volume_.velocity_scale == 0)
+            return nullptr;
+        GridOptions options = volume_.options;
+        options.keep_negative = true;
+        options.clipping = 0;
+        auto motion = std::make_shared<VolumeMotion>();
+        for (const std::string& name : volume_.velocity_grids) {
+            const PlacedGrid* grid = load(name, options);
+            if (!grid) {
+                warn("its velocity is left out; it stands still");
+                return nullptr;
+            }
+            motion->velocity.push_back(bounded(*grid));
+        }
+        double scaled[16];
+        std::copy(std::begin(volume_.world_from_object), std::end(volume_.world_from_object), scaled);
+        for (int i = 0; i < 12; ++i)
+            scaled[i] = i % 4 == 3 ? 0 : scaled[i] * double{volume_.velocity_scale};
+        motion->world_from_velocity = transform_of(scaled);
+        motion->open = s.shutter_open;
+        motion->close = s.shutter_close;
+        return motion;
+    }
+
+    /// The media that are constant, or scaled by this grid as it is.
+    void add_direct(const std::string& name, const PlacedGrid& grid, bool with_constants) {
+        std::vector<Medium> media;
         float sigma = 0;
-        bool read = false;
-        for (const VolumeClosure& c : closures) {
-            if (c.grid() != name && !(first && c.grid().empty()))
+        for (const VolumeClosure& c : closures_) {
+            if (!direct(c, name) && !(with_constants && direct(c, "")))
                 continue;
-            mine.push_back(c);
-            if (!c.density_grid.empty())
-                sigma += max_component(c.sigma_s + c.sigma_a) * volume.density_scale;
-            read |= !c.grid().empty();
+            Medium medium = scene_.constant_medium(c, volume_.density_scale);
+            if (direct(c, name)) {
+                medium.grid = grid.field.components[0];
+                medium.filter = filter_;
+                medium.density_scales_emission = !c.emission_grid.empty();
+                sigma += medium.sigma_t_max();
+            }
+            media.push_back(std::move(medium));
         }
-        first = false;
-        Transform world_from_index;
-        Region region = box_region(volume, loaded, world_from_index);
-        if (loaded.grid->active_bounds().empty())
-            continue;
-        std::optional<DensityField> field;
-        if (read) {
-            // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.
-            const float voxel = std::cbrt(std::fabs(world_from_index.determinant()));
-            field = DensityField{loaded.grid, std::make_shared<MajorantGrid>(*loaded.grid, sigma * voxel),
-                                 region.index_from_world};
-            grids_.push_back({volume.name, volume.path, name,
-                              static_cast<std::size_t>(loaded.grid->active_voxels()),
-                              loaded.grid->bytes() + field->majorants->bytes()});
+        const auto bounds = std::any_of(media.begin(), media.end(), [](const Medium& m) { return m.grid; })
+                                ? bounds_of(grid, sigma)
+                                : nullptr;
+        for (Medium& medium : media) {
+            if (medium.grid)
+                medium.bounds = bounds;
         }
-        add_region(std::move(region), mine, volume.density_scale, field);
+        Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        region.set_box(grid.box, grid.field.index_from_world);
+        scene_.add_region(std::move(region), std::move(media));
     }
+
+    std::shared_ptr<const MediumBounds> bounds_of(const PlacedGrid& grid, float sigma) const {
+        // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.
+        const float voxel = std::cbrt(std::fabs(transform_of(grid.world_from_index).determinant()));
+        const BoundsOptions options = scene_.bounds_options();
+        return std::make_shared<MediumBounds>(
+            MediumBounds{Majorants(*cells_of(grid, 0), options.accelerator, sigma * voxel, options.minorants),
+                         grid.field.index_from_world});
+    }
+
+    void add_program(const VolumeClosure& c, const std::shared_ptr<const VolumeMotion>& motion) {
+        std::vector<VolumeField> fields;
+        std::vector<const PlacedGrid*> used;
+        for (const std::string& name : c.grids) {
+            const auto found = grids_.find(name);
+            fields.push_back(found == grids_.end() ? VolumeField{} : bounded(found->second));
+            if (found != grids_.end())
+                used.push_back(&found->second);
+        }
+        if (used.empty())
+            used.push_back(&grids_.at(first_));
+        const BoundsFrame frame = frame_of(used, motion.get());
+        ShadingPoint place;
+        const VolumeObject& object = scene_.volume_object(volume_);
+        place.instance = &object.instance;
+        place.mesh = &object.mesh;
+        Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        region.set_box(frame.box, frame.index_from_world);
+        scene_.add_region(std::move(region),
+                          {scene_.program_medium(c, volume_.density_scale,
+                                                 VolumeFields(std::move(fields), motion), place, frame)});
+    }
+
+    Scene& scene_;
+    const VolumeSource& volume_;
+    GridCacheScope& cache_;
+    Filter filter_;
+    std::vector<VolumeClosure> closures_;
+    std::map<std::string, PlacedGrid> grids_;
+    std::string first_;  ///< the grid loaded first, or empty
+};
+
+const VolumeObject& Scene::volume_object(const VolumeSource& volume) {
+    VolumeObject object;
+    object.instance.name = volume.name;
+    object.instance.world_from_object = transform_of(volume.world_from_object);
+    object.instance.object_from_world = inverse_of(volume.world_from_object);
+    object.instance.random = volume.random;
+    object.instance.color = volume.color;
+    object.instance.pass_index = volume.pass_index;
+    object.mesh.generated_min = volume.generated_min;
+    object.mesh.generated_size = volume.generated_size;
+    return volume_objects_.emplace_back(std::move(object));
+}
+
+void Scene::add_volumes() {
+    GridCacheScope cache;
+    for (const VolumeSource& volume : source_.volumes)
+        naming("volume '" + volume.name + "'", [&] { VolumeBuilder(*this, volume, cache).build(); });
+    cache.commit();
 }
 
 }  // namespace nephele

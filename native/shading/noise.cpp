@@ -102,8 +102,22 @@ float fractal_sum(Vec3f p, const NoiseSettings& settings) {
     return lerp(finished(sum, total), finished(finer, total + amplitude), rest);
 }
 
-/// Offset that decorrelates the noise number `seed` of a node: hashed, each coordinate in [100, 200].
-Vec3f offset(int seed, int dimensions) {
+/// A point moved by as many noises as there are dimensions.
+Vec3f distorted(Vec3f p, const NoiseSettings& settings) {
+    if (settings.distortion == 0)
+        return p;
+    const int n = settings.dimensions;
+    Vec3f moved = p;
+    for (int i = 0; i < n; ++i)
+        moved[i] += settings.distortion * octave(p + noise_offset(i, n), n);
+    return moved;
+}
+
+constexpr float kScale[] = {0, 0.25f, 0.6616f, 0.9820f};  // of one to three dimensions
+
+}  // namespace
+
+Vec3f noise_offset(int seed, int dimensions) {
     const auto bits = [](int i) { return std::bit_cast<int>(static_cast<float>(i)); };
     const auto scaled = [](std::uint32_t h) { return 100 + 100 * (static_cast<float>(h) / 4294967295.0f); };
     if (dimensions == 1)
@@ -112,23 +126,22 @@ Vec3f offset(int seed, int dimensions) {
             scaled(hash(bits(seed), bits(2)))};
 }
 
-/// A point moved by as many noises as there are dimensions.
-Vec3f distorted(Vec3f p, const NoiseSettings& settings) {
-    if (settings.distortion == 0)
-        return p;
-    const int n = settings.dimensions;
-    Vec3f moved = p;
-    for (int i = 0; i < n; ++i)
-        moved[i] += settings.distortion * octave(p + offset(i, n), n);
-    return moved;
+Vec3f lattice_gradient(const std::array<int, 3>& cell, int dimensions) {
+    const float s = kScale[dimensions];
+    if (dimensions == 1)
+        return {s * gradient(hash(cell[0]), 1), 0, 0};
+    if (dimensions == 2) {
+        const std::uint32_t h = hash(cell[0], cell[1]);
+        return {s * gradient(h, 1, 0), s * gradient(h, 0, 1), 0};
+    }
+    const std::uint32_t h = hash(cell[0], cell[1], cell[2]);
+    return {s * gradient(h, 1, 0, 0), s * gradient(h, 0, 1, 0), s * gradient(h, 0, 0, 1)};
 }
-
-}  // namespace
 
 float perlin(float x) {
     const Cell cx(x);
     const float n = lerp(gradient(hash(cx.i), cx.f), gradient(hash(cx.i + 1), cx.f - 1), cx.faded);
-    return 0.25f * n;
+    return kScale[1] * n;
 }
 
 float perlin(float x, float y) {
@@ -136,7 +149,7 @@ float perlin(float x, float y) {
     const auto row = [&](int j, float fy) {
         return lerp(gradient(hash(cx.i, j), cx.f, fy), gradient(hash(cx.i + 1, j), cx.f - 1, fy), cx.faded);
     };
-    return 0.6616f * lerp(row(cy.i, cy.f), row(cy.i + 1, cy.f - 1), cy.faded);
+    return kScale[2] * lerp(row(cy.i, cy.f), row(cy.i + 1, cy.f - 1), cy.faded);
 }
 
 float perlin(Vec3f p) {
@@ -148,7 +161,7 @@ float perlin(Vec3f p) {
     const auto slab = [&](int k, float fz) {
         return lerp(row(cy.i, k, cy.f, fz), row(cy.i + 1, k, cy.f - 1, fz), cy.faded);
     };
-    return 0.9820f * lerp(slab(cz.i, cz.f), slab(cz.i + 1, cz.f - 1), cz.faded);
+    return kScale[3] * lerp(slab(cz.i, cz.f), slab(cz.i + 1, cz.f - 1), cz.faded);
 }
 
 float noise_value(Vec3f p, const NoiseSettings& settings) {
@@ -156,10 +169,10 @@ float noise_value(Vec3f p, const NoiseSettings& settings) {
 }
 
 Rgb noise_color(Vec3f p, const NoiseSettings& settings) {
-    const int n = settings.dimensions;  // seeds 0 to n - 1 serve the distortion
+    const int n = settings.dimensions;
     const Vec3f q = distorted(p, settings);
-    return {fractal_sum(q, settings), fractal_sum(q + offset(n, n), settings),
-            fractal_sum(q + offset(n + 1, n), settings)};
+    return {fractal_sum(q, settings), fractal_sum(q + noise_offset(n, n), settings),
+            fractal_sum(q + noise_offset(n + 1, n), settings)};
 }
 
 }  // namespace nephele

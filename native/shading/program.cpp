@@ -155,7 +155,9 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
         case Op::checker_fac:
             return Vec3f(one_if(checker_is_odd(a * d.x)));
         case Op::grid:
-            return step.point.volume ? step.point.volume->value(mode, a) : Vec3f(0);
+            return step.point.volume
+                       ? step.point.volume->value(mode, a - step.context.origin, step.point.time)
+                       : Vec3f(0);
         case Op::noise:
             return noise(step, a, b, c, d);
         case Op::gradient:

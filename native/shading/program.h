@@ -48,6 +48,8 @@ struct TextureContext {
     std::array<float, 4> viewplane{0, 1, 0,
                                    1};  ///< left, right, bottom, top (at distance 1 where perspective)
     bool orthographic = false;
+    Vec3f
+        origin;  ///< what programs call positions is this much further on (bindings/convert.cpp, move_origin)
 };
 
 /// Most lobes that a closure of this kind becomes.

@@ -47,8 +47,8 @@ Vec3f generated(const ShadingPoint& point) {
 
 /// The point in the space of the camera's own axes (it looks along -z); for the world, the direction.
 Vec3f camera_point(const ShadingPoint& point, const TextureContext& context) {
-    return point.instance ? context.camera_from_world.point(point.p)
-                          : context.camera_from_world.vector(point.p);
+    return point.is_place() ? context.camera_from_world.point(point.p)
+                            : context.camera_from_world.vector(point.p);
 }
 
 Vec3f window(const ShadingPoint& point, const TextureContext& context) {
@@ -58,10 +58,10 @@ Vec3f window(const ShadingPoint& point, const TextureContext& context) {
     return {(p.x / depth - left) / (right - left), (p.y / depth - bottom) / (top - bottom), 0};
 }
 
-Vec3f object_input(Op op, const Instance& instance) {
+Vec3f object_input(Op op, const Instance& instance, const TextureContext& context) {
     switch (op) {
         case Op::object_location:
-            return instance.world_from_object.translation;
+            return instance.world_from_object.translation + context.origin;
         case Op::object_color:
             return {instance.color[0], instance.color[1], instance.color[2]};
         case Op::object_random:
@@ -86,7 +86,7 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
         case Op::window_coordinate:
             return window(point, context);
         case Op::position:
-            return point.p;
+            return point.is_place() ? point.p + context.origin : point.p;
         // The world's normals face the viewer, as in Cycles.
         case Op::normal:
             return point.instance ? point.ns : point.wo;
@@ -109,12 +109,12 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
         case Op::attribute_alpha:
             return attribute_of(mode, point, true);
         default:
-            return point.instance ? object_input(op, *point.instance) : Vec3f(0);
+            return point.instance ? object_input(op, *point.instance, context) : Vec3f(0);
     }
 }
 
 float fresnel_node(float ior, Vec3f n, const ShadingPoint& point) {
-    const float eta = std::max(ior, 1e-5f);
+    const float eta = std::max(ior, 1e-5f) / point.outside_ior;
     return fresnel_dielectric(std::min(1.0f, std::fabs(dot(point.wo, n))), point.backfacing ? 1 / eta : eta);
 }
 

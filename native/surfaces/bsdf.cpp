@@ -125,6 +125,11 @@ struct Inputs {
     Rgb weight() const { return non_negative(registers[row.weight]); }
     Rgb color(int i) const { return non_negative(registers[row.inputs[static_cast<std::size_t>(i)]]); }
     float unit(int i) const { return std::min(color(i).x, 1.0f); }
+    /// ior beyond the surface / ior on wo's side, where the input is that of the inside.
+    float eta(int i) const {
+        const float ior = std::max(color(i).x, 1e-5f) / point.outside_ior;
+        return point.backfacing ? 1 / ior : ior;
+    }
     Distribution distribution() const { return static_cast<Distribution>(row.mode); }
     Vec3f normal(int i) const {
         return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point);
@@ -156,8 +161,7 @@ void add_glossy(Bsdf& bsdf, const Inputs& in) {
 
 void add_glass(Bsdf& bsdf, const Inputs& in) {
     const Vec3f n = in.bent(glass_input::normal);
-    const float ior = std::max(in.color(glass_input::ior).x, 1e-5f),
-                eta = in.point.backfacing ? 1 / ior : ior;
+    const float eta = in.eta(glass_input::ior);
     const float roughness = in.unit(glass_input::roughness), mu = dot(n, in.point.wo);
     const Rgb color = in.color(glass_input::color);
     if (is_zero(color))
@@ -168,8 +172,7 @@ void add_glass(Bsdf& bsdf, const Inputs& in) {
 
 void add_refraction(Bsdf& bsdf, const Inputs& in) {
     const Vec3f n = in.bent(refraction_input::normal);
-    const float ior = std::max(in.color(refraction_input::ior).x, 1e-5f),
-                eta = in.point.backfacing ? 1 / ior : ior;
+    const float eta = in.eta(refraction_input::ior);
     const auto distribution =
         in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
     const float roughness = in.unit(refraction_input::roughness), mu = dot(n, in.point.wo);

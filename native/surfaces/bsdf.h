@@ -8,8 +8,8 @@
 #include <type_traits>
 
 #include "base/surface.h"
-#include "surfaces/lobes.h"
 #include "shading/program.h"
+#include "surfaces/lobes.h"
 
 namespace nephele {
 
@@ -70,19 +70,24 @@ Rgb closure_emission(const ClosureRow& row, const RegisterFile& registers, const
 /// Share of light that goes straight through, for shadow rays; no lobes are built.
 Rgb evaluate_transparency(const Program& program, const ShadingPoint& point, const TextureContext& context);
 
+/// Index of refraction of what the surface bounds: that of the program's first glass, refraction or
+/// Principled closure, 1 where it has none.
+float evaluate_interior_ior(const Program& program, const ShadingPoint& point, const TextureContext& context);
+
 /// What a program can do at all, so that the integrator can skip the rest.
 struct ProgramTraits {
     bool emissive = false;               ///< may emit
     bool may_transmit_straight = false;  ///< has a transparent closure, or an alpha that may be below 1
     bool has_surface_lobes = false;      ///< has a closure that scatters
     bool constant = false;               ///< no code: the same everywhere
+    std::optional<float> interior_ior;   ///< see evaluate_interior_ior, where it is constant
     std::optional<Rgb>
         constant_emission;  ///< the emission, where it is the same at every point and direction
 };
 ProgramTraits traits_of(const Program& program);
 /// Traits of the default material, which has no program.
 inline ProgramTraits default_traits() {
-    return {.has_surface_lobes = true, .constant = true, .constant_emission = Rgb(0)};
+    return {.has_surface_lobes = true, .constant = true, .interior_ior = 1.0f, .constant_emission = Rgb(0)};
 }
 
 }  // namespace nephele

@@ -15,12 +15,39 @@ std::optional<Vec3f> constant_register(const Program& program, std::int16_t i) {
     return program.registers[static_cast<std::size_t>(i)];
 }
 
+/// The register that holds the index of refraction inside; nothing where no closure has one.
+std::optional<std::int16_t> ior_register(const Program& program) {
+    for (const ClosureRow& row : program.closures) {
+        switch (row.kind) {
+            case ClosureKind::glass:
+                return row.inputs[glass_input::ior];
+            case ClosureKind::refraction:
+                return row.inputs[refraction_input::ior];
+            case ClosureKind::principled:
+                return row.inputs[principled_input::ior];
+            default:
+                break;
+        }
+    }
+    return std::nullopt;
+}
+
+float ior_of(Vec3f value) {
+    return std::max(finite(value).x, 1e-5f);
+}
+
 class TraitsFinder {
   public:
     explicit TraitsFinder(const Program& program) : program_(program) {
         traits_.constant = program.code.empty();
         for (const ClosureRow& row : program.closures)
             visit(row);
+        const auto ior = ior_register(program);
+        if (!ior) {
+            traits_.interior_ior = 1.0f;
+        } else if (const auto value = constant_register(program, *ior)) {
+            traits_.interior_ior = ior_of(*value);
+        }
         if (emission_is_constant_)
             traits_.constant_emission = emission_;
     }
@@ -117,6 +144,12 @@ Rgb evaluate_transparency(const Program& program, const ShadingPoint& point, con
                non_negative(registers[row.inputs[transparent_input::color]]);
     }
     return sum;
+}
+
+float evaluate_interior_ior(const Program& program, const ShadingPoint& point,
+                            const TextureContext& context) {
+    const auto ior = ior_register(program);
+    return ior ? ior_of(RegisterFile(program, point, context)[*ior]) : 1;
 }
 
 ProgramTraits traits_of(const Program& program) {

@@ -84,7 +84,7 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
     if (amount == 0)
         return weight;
     const Vec3f n = p.normal(principled_input::normal);
-    const float ior = std::max(p.value(principled_input::ior), 1e-5f),
+    const float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior,
                 eta = p.point.backfacing ? 1 / ior : ior;
     const Rgb tint = min(p.color(principled_input::specular_tint), Rgb(1));
     const Fresnel fresnel = Fresnel::dielectric(eta, tint * f0_from_ior(eta));
@@ -99,7 +99,7 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
 
 /// The dielectric reflection over the diffuse base.
 Rgb add_specular(const Principled& p, Rgb weight, Bsdf& bsdf) {
-    float ior = std::max(p.value(principled_input::ior), 1e-5f), f0 = f0_from_ior(ior);
+    float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior, f0 = f0_from_ior(ior);
     const float level = p.value(principled_input::specular_ior_level);
     if (level != 0.5f) {  // scales the reflectance, and bends the curve to match
         f0 = std::min(f0 * 2 * level, 0.99f);

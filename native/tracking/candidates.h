@@ -17,59 +17,109 @@ struct Counters {
     std::uint64_t rays = 0;
 };
 
-/// The majorant of one interval, piece by piece.
+/// exp(-sigma_t length), also for infinite lengths.
+inline Rgb homogeneous_transmittance(Rgb sigma_t, float length) {
+    const auto one = [&](float s) { return s > 0 ? std::exp(-s * length) : 1.0f; };
+    return {one(sigma_t.x), one(sigma_t.y), one(sigma_t.z)};
+}
+
+/// The bounds of one interval, piece by piece. Bounds are of a scale that multiplies `unit()`: the density of
+/// a grid, whose unit is the medium's sigma_t, or the extinction itself of a medium that a program computes.
 class MajorantTrack {
   public:
-    /// `global`: one bound for the whole grid, for the plain integrator and comparisons.
-    MajorantTrack(const Interval& interval, const Ray& ray, bool global) : interval_(interval) {
+    /// `global`: one bound for the whole medium, for the plain integrator and comparisons.
+    MajorantTrack(const Interval& interval, const Segment& segment, bool global)
+        : interval_(interval), segment_(&segment), piece_end_(interval.t0) {
         const Medium& m = *interval.medium;
-        piece_end_ = interval.t0;
-        if (m.density && !global) {
-            walk_.emplace(*m.density->majorants, m.density->index_from_world.point(ray.o),
-                          m.density->index_from_world.vector(ray.d), interval.t0, interval.t1);
+        const Ray& ray = segment.ray;
+        unit_ = m.program ? 1 : m.sigma_t_max();
+        if (!m.bounds) {
+            majorant_ = minorant_ = 1;
+        } else if (global) {
+            majorant_ = m.bounds->majorants.global_majorant();
+            minorant_ = m.bounds->majorants.global_minorant();
         } else {
-            global_majorant_ = m.sigma_t_max() * (m.density ? m.density->majorants->global_majorant() : 1.0f);
+            const Transform& to_index = m.bounds->index_from_world;
+            walk_.emplace(m.bounds->majorants, to_index.point(ray.o), to_index.vector(ray.d), interval.t0,
+                          interval.t1);
         }
     }
 
+    const Medium& medium() const { return *interval_.medium; }
     const Interval& interval() const { return interval_; }
     float piece_end() const { return piece_end_; }
-    float majorant() const { return majorant_; }
-    /// Whether the field is 0 on the whole piece.
-    bool empty() const { return walk_ && field_majorant_ == 0; }
+    /// Largest extinction of any channel on the piece, 1/m.
+    float majorant() const { return majorant_ * unit_; }
+    /// Lower bound of the scale on the piece: the part of the medium that is known without a lookup.
+    float minorant() const { return minorant_; }
+    /// Upper bound of the scale on the piece.
+    float scale_majorant() const { return majorant_; }
+    /// What a scale of 1 stands for.
+    Rgb unit() const { return medium().program ? Rgb(1) : medium().sigma_t; }
+    /// Whether there is nothing on the whole piece.
+    bool empty() const { return majorant_ == 0; }
+    bool covers(float t) const { return interval_.t0 <= t && t <= interval_.t1; }
+
     /// Moves to the piece after piece_end(); false at the interval's end.
     bool advance() {
         if (piece_end_ >= interval_.t1)
             return false;
         if (!walk_) {
             piece_end_ = interval_.t1;
-            majorant_ = global_majorant_;
             return true;
         }
         MajorantPiece piece;
         if (!walk_->next(piece))
             return false;
         piece_end_ = piece.t_end;
-        field_majorant_ = piece.majorant;
-        majorant_ = piece.majorant * interval_.medium->sigma_t_max();
+        majorant_ = piece.majorant;
+        minorant_ = walk_->minorant();
         return true;
     }
 
-    /// Density at t of the current piece. Its expectation over the random numbers is the trilinear filter's
-    /// value, and it never exceeds the piece's majorant.
-    float density(const Ray& ray, float t, Rng& rng, Counters& counters) const {
-        const Medium& m = *interval_.medium;
-        if (!m.density)
-            return 1;
+    /// Extinction at t of the current piece as a multiple of unit(): never above the piece's majorant, and in
+    /// expectation over the random numbers what the grid's filter gives. For media with a program, RGB.
+    Rgb scale(float t, Rng& rng, Counters& counters) const {
+        const Medium& m = medium();
+        if (!m.bounds)
+            return Rgb(1);
         ++counters.density_lookups;
-        const Vec3f p = walk_ ? walk_->point(t) : m.density->index_from_world.point(ray.at(t));
-        return m.density->grid->stochastic(p, rng.next3());
+        if (m.program)
+            return m.program->coefficients(world_point(t)).sigma_t;
+        return Rgb(m.grid->stochastic(m.filter, index_point(t), rng.next3()));
+    }
+    /// Coefficients and phase function at t of the current piece, like scale().
+    MediumPoint point(float t, Rng& rng, Counters& counters) const {
+        const Medium& m = medium();
+        if (m.program) {
+            ++counters.density_lookups;
+            return m.program->coefficients(world_point(t));
+        }
+        const float density = scale(t, rng, counters).x;
+        return {m.sigma_s * density, m.sigma_t * density, m.phase};
+    }
+    /// Emission at t of the current piece, W/(m^3 sr).
+    Rgb emission(float t, Rng& rng, Counters& counters) const {
+        const Medium& m = medium();
+        if (m.program) {
+            ++counters.density_lookups;
+            return m.program->emission(world_point(t));
+        }
+        return m.density_scales_emission ? m.emission * scale(t, rng, counters).x : m.emission;
     }
 
   private:
+    Vec3f index_point(float t) const {
+        return walk_ ? walk_->point(t) : medium().bounds->index_from_world.point(segment_->ray.at(t));
+    }
+    VolumePoint world_point(float t) const {
+        return {segment_->ray.at(t), -segment_->ray.d, segment_->ray_kind};
+    }
+
     Interval interval_;
-    std::optional<MajorantWalk> walk_;
-    float piece_end_, majorant_ = 0, field_majorant_ = 0, global_majorant_ = 0;
+    const Segment* segment_;
+    std::optional<AnyMajorantWalk> walk_;
+    float piece_end_, unit_, majorant_ = 0, minorant_ = 0;
 };
 
 /// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between

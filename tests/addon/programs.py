@@ -101,7 +101,7 @@ class Tree:
 
     def compile(self):
         self.context = Context(self.bpy.context.evaluated_depsgraph_get())
-        return compile_material(self.material, self.context, grids=False)[0]
+        return compile_material(self.material, self.context)[0]
 
     def color(self, output, inputs=POINT):
         """Returns (3,) that `output` gives at a point."""

@@ -3,6 +3,7 @@
 nodes."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele import opcodes, parameters, passes, properties
-from nephele.export import nodes, nodes_closure, nodes_fold, nodes_volume
+from nephele.export import blackbody, nodes, nodes_closure, nodes_fold, nodes_volume
 from programs import with_nodes
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
@@ -79,10 +80,22 @@ def test_operations_not_folded_need_the_shading_point_or_data():
         "environment_mirror_ball",
         "checker",
         "checker_fac",
+        "grid",
         "noise",
     }
     shading = {"gradient", "fresnel", "layer_weight", "normal_map"}
     assert set(opcodes.OPCODES) - set(nodes_fold.FOLD) == inputs | known | shading
+
+
+def test_blackbody_is_the_native_one():
+    """Both halves integrate the same observer at the same temperatures."""
+    source = (ADDON.parent / "native" / "shading" / "color_math.cpp").read_text(encoding="utf-8")
+    rows = re.search(r"kObserver\[\]\[3\] = \{(.*?)\};", source, re.DOTALL).group(1)
+    native = np.array([float(number) for number in re.findall(r"\d+\.\d+", rows)]).reshape(-1, 3)
+    assert np.array_equal(native, blackbody.OBSERVER)
+    assert f"kLow = {blackbody.LOWEST_K:g}, kStep = {blackbody.STEP_K:g};" in source
+    assert f"std::array<Rgb, {len(blackbody.TEMPERATURES)}> table" in source
+    assert len(blackbody.WAVELENGTHS) == len(native)
 
 
 def node_types(bpy):
@@ -101,9 +114,11 @@ def node_types(bpy):
 
 def test_handled_node_types_exist(bpy):
     found = set(node_types(bpy))
-    legacy = {"SEPRGB", "COMBRGB", "SEPHSV", "COMBHSV", "INVERT_COLOR"}  # of older Blenders
-    handled = set(nodes.HANDLERS) | set(nodes_closure.SIMPLE) | set(nodes_volume.NODES)
-    assert handled - legacy <= found
+    absent = {"SEPRGB", "COMBRGB", "SEPHSV", "COMBHSV", "INVERT_COLOR"}  # of older Blenders
+    if bpy.app.version < (5, 0, 0):
+        absent.add("VOLUME_COEFFICIENTS")
+    handled = set(nodes.VOLUME_HANDLERS) | set(nodes_closure.SIMPLE) | set(nodes_volume.NODES)
+    assert handled - absent <= found
 
 
 @pytest.mark.parametrize("kind", nodes_closure.SIMPLE)

@@ -43,6 +43,12 @@ def test_square(quad, export):
     assert (instance.mesh, instance.materials, instance.visibility) == (0, (-1,), 0b111111)
 
 
+def test_dielectric_priority_is_the_objects(quad, link, export):
+    other = link("Other", quad.data)
+    other.nephele.dielectric_priority = 3
+    assert {i.name: i.dielectric_priority for i in export().instances} == {"Quad": 0, "Other": 3}
+
+
 def test_linked_duplicates_share_a_mesh(quad, link, export):
     other = link("Other", quad.data)
     other.location.x = 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume objects and fluid domains: which file, where it stands, how dense it is."""
+"""Volume objects: which file, where it stands, how dense it is, how it is read."""
 
 import gc
 from pathlib import Path
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nephele.export import ExportError
+from programs import with_nodes
 
 
 @pytest.fixture
@@ -73,26 +74,120 @@ def test_empty_volume_warns(bpy, link, export):
     assert "volume 'Void'" in scene.warnings[0]
 
 
+def test_shaders_know_the_grids_of_the_file(bpy, volume, export, openvdb, tmp_path):
+    """One material on two files: the tint of one is a colour, that of the other a number."""
+    number, color = openvdb.FloatGrid(), openvdb.Vec3SGrid()
+    for grid in (number, color):
+        grid.name = "tint"
+        grid.fill((0, 0, 0), (1, 1, 1), 0.5 if grid is number else (1.0, 0.5, 0.25))
+    paths = [tmp_path / "number.vdb", tmp_path / "color.vdb"]
+    for path, grid in zip(paths, (number, color), strict=True):
+        openvdb.write(str(path), grids=[grid])
+    material = with_nodes(bpy.data.materials.new("Tinted"))
+    tree = material.node_tree
+    shine, tint = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAttribute")
+    tint.attribute_name = "tint"
+    tree.links.new(tint.outputs["Color"], shine.inputs["Color"])
+    tree.links.new(shine.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    second = volume.copy()
+    second.data = volume.data.copy()
+    bpy.context.scene.collection.objects.link(second)
+    for item, path in zip((volume, second), paths, strict=True):
+        item.data.filepath = str(path)
+        item.data.materials.append(material)
+    scene = export()
+    found = {Path(v.path).name: scene.materials[v.material].volume[0] for v in scene.volumes}
+    assert (found["number.vdb"].emission_grid, found["number.vdb"].program) == ("tint", None)
+    assert (found["color.vdb"].emission_grid, found["color.vdb"].grids) == (None, ("tint",))
+    assert scene.warnings == ()
+
+
 @pytest.mark.parametrize(
-    ("mode", "offset", "frame", "expected"),
+    ("mode", "offset", "expected"),  # the files shown at frames -1 to 8; the sequence stands at 2 to 4
     [
-        ("CLIP", 0, 2, 2),
-        ("CLIP", 0, 9, None),
-        ("CLIP", 1, 1, 2),
-        ("EXTEND", 0, 9, 3),
-        ("REPEAT", 0, 4, 1),
+        ("CLIP", 0, (None, None, None, 1, 2, 3, None, None, None, None)),
+        ("CLIP", 1, (None, None, None, 2, 3, 4, None, None, None, None)),
+        ("EXTEND", 0, (1, 1, 1, 1, 2, 3, 3, 3, 3, 3)),
+        ("EXTEND", 2, (3, 3, 3, 3, 4, 5, 5, 5, 5, 5)),
+        ("REPEAT", 0, (1, 2, 3, 1, 2, 3, 1, 2, 3, 1)),
+        ("REPEAT", 1, (2, 3, 4, 2, 3, 4, 2, 3, 4, 2)),
+        ("PING_PONG", 0, (2, 3, 2, 1, 2, 3, 2, 1, 2, 3)),
     ],
 )
-def test_sequence(bpy, link, make_vdb, export, mode, offset, frame, expected):
-    paths = [make_vdb(f"seq_{k:03d}.vdb") for k in (1, 2, 3)]
+def test_sequence(bpy, link, make_vdb, export, mode, offset, expected):
+    paths = [make_vdb(f"seq_{k:03d}.vdb") for k in range(1, 6)]
     data = bpy.data.volumes.new("Sequence")
     data.filepath = str(paths[0])
-    data.is_sequence, data.frame_start, data.frame_duration = True, 1, 3
+    data.is_sequence, data.frame_start, data.frame_duration = True, 2, 3
     data.frame_offset, data.sequence_mode = offset, mode
     link("Sequence", data)
-    bpy.context.scene.frame_set(frame)
-    found = [Path(v.path).name for v in export().volumes]
-    assert found == ([] if expected is None else [f"seq_{expected:03d}.vdb"])
+    found = []
+    for frame in range(-1, 9):
+        bpy.context.scene.frame_set(frame)
+        found.append([int(Path(v.path).stem[-3:]) for v in export().volumes])
+    assert found == [[] if k is None else [k] for k in expected]
+
+
+def test_missing_frame_of_a_sequence_is_an_error(bpy, link, make_vdb, export):
+    data = bpy.data.volumes.new("Sequence")
+    data.filepath = str(make_vdb("seq_001.vdb"))
+    data.is_sequence, data.frame_duration = True, 3
+    link("Sequence", data)
+    bpy.context.scene.frame_set(2)
+    with pytest.raises(ExportError, match=r"volume 'Sequence': .*cannot be read .*seq_002.vdb.*the frame"):
+        export()
+
+
+@pytest.mark.parametrize(("choice", "expected"), [("FULL", "full"), ("HALF", "half"), ("VARIABLE", "file")])
+def test_precision_and_clipping(volume, export, choice, expected):
+    volume.data.render.precision, volume.data.render.clipping = choice, 0.25
+    (result,) = export().volumes
+    assert (result.precision, result.clipping) == (expected, 0.25)
+
+
+def test_object_attributes(volume, export):
+    volume.location, volume.color, volume.pass_index = (5, 0, 0), (0.25, 0.5, 0.75, 1), 7
+    (result,) = export().volumes
+    assert result.color == (0.25, 0.5, 0.75, 1)
+    assert result.pass_index == 7
+    assert 0 < result.random < 1
+    # One leaf of 8^3 voxels of 0.5 m, whole cubes, as Blender has it; the object's place does not count.
+    assert np.allclose(result.generated_min, -0.25)
+    assert np.allclose(result.generated_size, 4)
+
+
+def test_instances_of_one_file(bpy, volume, export):
+    collection = bpy.data.collections.new("Clouds")
+    bpy.context.scene.collection.objects.unlink(volume)
+    collection.objects.link(volume)
+    for x in (3, 8):
+        empty = bpy.data.objects.new(f"At {x}", None)
+        empty.instance_type, empty.instance_collection, empty.location = "COLLECTION", collection, (x, 0, 0)
+        bpy.context.scene.collection.objects.link(empty)
+    results = export().volumes
+    assert [result.path for result in results] == [volume.data.filepath] * 2
+    assert sorted(result.world_from_object[0, 3] for result in results) == [3, 8]
+    assert results[0].material == results[1].material
+    assert results[0].random != results[1].random
+
+
+def test_instances_made_by_geometry_nodes(bpy, link, volume, export):
+    mesh = bpy.data.meshes.new("Points")
+    mesh.from_pydata([(0, 0, 0), (4, 0, 0)], [], [])
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    scatter, info = tree.nodes.new("GeometryNodeInstanceOnPoints"), tree.nodes.new("GeometryNodeObjectInfo")
+    info.inputs["Object"].default_value, info.inputs["As Instance"].default_value = volume, True
+    tree.links.new(tree.nodes.new("NodeGroupInput").outputs[0], scatter.inputs["Points"])
+    tree.links.new(info.outputs["Geometry"], scatter.inputs["Instance"])
+    tree.links.new(scatter.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
+    link("Scatter", mesh).modifiers.new("Nodes", "NODES").node_group = tree
+    volume.location = (0, 9, 0)
+    results = export().volumes
+    assert {result.path for result in results} == {volume.data.filepath}
+    places = sorted(tuple(result.world_from_object[:2, 3].tolist()) for result in results)
+    assert places == [(0, 0), (0, 9), (4, 0)]  # the original is seen, too
 
 
 def test_modified_volume_is_saved_and_cleaned_up(bpy, volume, export, openvdb):
@@ -122,74 +217,3 @@ def test_volume_from_geometry_nodes(bpy, link, export, openvdb):
     (result,) = scene.volumes
     assert openvdb.readAllGridMetadata(result.path)[0].name == "density"
     assert np.allclose(np.diag(result.world_from_object), (2, 2, 2, 1))
-
-
-@pytest.fixture
-def domain(bpy, link, tmp_path):
-    """Returns a gas domain of 2 x 2 x 4 m (object space), 8 cells along z, with an empty cache folder.
-
-    Its modifier is not evaluated: the fluid solver of the bpy modules aborts when it is freed.
-    """
-    mesh = bpy.data.meshes.new("Domain")
-    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 4)]
-    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (4, 6, 7, 5)])
-    item = link("Domain", mesh)
-    modifier = item.modifiers.new("Fluid", "FLUID")
-    modifier.show_viewport = False
-    modifier.fluid_type = "DOMAIN"
-    settings = modifier.domain_settings
-    settings.domain_type, settings.resolution_max, settings.cache_type = "GAS", 8, "ALL"
-    settings.cache_directory = str(tmp_path / "cache")
-    (tmp_path / "cache" / "data").mkdir(parents=True)
-    return item
-
-
-def cached(domain, frame):
-    folder = Path(domain.modifiers[0].domain_settings.cache_directory, "data")
-    path = folder / f"fluid_data_{frame:04d}.vdb"
-    path.write_bytes(b"")
-    return path
-
-
-def test_missing_cache_frame_warns(domain, export):
-    scene = export()
-    assert (scene.volumes, scene.instances) == ((), ())
-    assert any(
-        "'Domain': no cache of frame 1" in text and "fluid_data_0001.vdb" in text for text in scene.warnings
-    )
-
-
-def test_fluid_frame_and_offset(bpy, domain, export):
-    paths = [cached(domain, frame) for frame in (1, 2, 3)]
-    bpy.context.scene.frame_set(3)
-    assert export().volumes[0].path == str(paths[2])
-    domain.modifiers[0].domain_settings.cache_frame_offset = 1
-    domain.update_tag()
-    assert export().volumes[0].path == str(paths[1])
-
-
-@pytest.mark.parametrize("scale", [(1, 1, 1), (2, 2, 2), (1, 3, 1)])
-def test_fluid_placement(domain, export, scale):
-    """Cell (i, j, k) of the cache stands at its index times the voxel size; its centre must come out right.
-    The voxel size counts the object's scale."""
-    cached(domain, 1)
-    domain.location, domain.scale = (10, 0, 0), scale
-    scene = export()
-    (result,) = scene.volumes
-    size = np.array((2, 2, 4)) * scale
-    voxel = size.max() / 8
-    first = result.world_from_object @ (0, 0, 0, 1)
-    assert np.allclose(first[:3], np.array((10, 0, 0)) + np.array((-1, -1, 0)) * scale + voxel / 2)
-    step = result.world_from_object @ (voxel, voxel, voxel, 0)
-    assert np.allclose(step[:3], voxel)  # cells are cubes in the world
-    assert result.density_scale == 1.0
-    assert scene.instances == ()  # the domain's box is no surface
-
-
-def test_fluid_placement_in_a_parent(domain, link, export):
-    """A parent's scale comes on top: the simulation knows the object's own only."""
-    cached(domain, 1)
-    domain.parent = link("Parent", None)
-    domain.parent.scale = (3, 3, 3)
-    step = export().volumes[0].world_from_object @ (0.5, 0, 0, 0)
-    assert np.allclose(step[:3], (1.5, 0, 0))

@@ -42,8 +42,14 @@ inline constexpr double kSigmas = 5.5;
 /// Density at a voxel.
 using Voxels = std::function<float(int, int, int)>;
 
+/// A density on a grid, with its bounds.
+struct Field {
+    std::shared_ptr<const BrickGrid> grid;
+    std::shared_ptr<const MediumBounds> bounds;
+};
+
 /// A field of n^3 voxels from the origin of index space, which is also the world's.
-inline DensityField field_of(int n, const Voxels& voxels) {
+inline Field field_of(int n, const Voxels& voxels) {
     std::vector<float> values;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
@@ -51,25 +57,64 @@ inline DensityField field_of(int n, const Voxels& voxels) {
                 values.push_back(voxels(i, j, k));
         }
     }
-    DensityField field;
+    Field field;
     field.grid = brick_grid_of_dense({0, 0, 0}, {n, n, n}, values.data(), 0, VoxelType::single_float);
-    field.majorants = std::make_shared<MajorantGrid>(*field.grid, 1.0f);
+    const CellBounds cells = CellBounds::of_grid(*field.grid, Filter::trilinear);
+    field.bounds =
+        std::make_shared<MediumBounds>(MediumBounds{Majorants(cells, Accelerator::grid, 1.0f, true), {}});
     return field;
+}
+
+/// Mean cosine of squared_grid().
+inline constexpr float kProgramG = -0.5f;
+
+/// A program whose extinction is the square of grid 0, and not linear in it: sigma_s and sigma_a are the
+/// colours times that, emission is the colour times the grid.
+inline Program squared_grid(Rgb sigma_s, Rgb sigma_a, Rgb emission) {
+    const auto op = [](Op o) { return static_cast<std::int32_t>(o); };
+    Program program;
+    program.registers = {sigma_s, sigma_a, emission, Vec3f(1), {}, {}, {}, Vec3f(kProgramG)};
+    program.code = {{op(Op::position), 4},       {op(Op::grid), 5, 4},        {op(Op::multiply), 6, 5, 5},
+                    {op(Op::multiply), 0, 0, 6}, {op(Op::multiply), 1, 1, 6}, {op(Op::multiply), 2, 2, 5}};
+    ClosureRow row;
+    row.kind = ClosureKind::medium;
+    row.weight = 3;
+    row.inputs = {0, 1, 2, 7, 7};
+    program.closures = {row};
+    return program;
 }
 
 /// Media along a ray through [0, length], and their integrals.
 struct Line {
     std::deque<Medium> media;
     Segment segment;
+    const Medium* scatters = nullptr;  ///< where set, `at` counts scattering in this medium only
 
     explicit Line(Ray ray) { segment.ray = ray; }
 
-    Medium& add(Rgb sigma_s, Rgb sigma_a, float t0, float t1,
-                std::optional<DensityField> field = std::nullopt) {
+    Medium& add(Rgb sigma_s, Rgb sigma_a, float t0, float t1, const Field& field = {}) {
         Medium m;
         m.sigma_s = sigma_s;
         m.sigma_t = sigma_s + sigma_a;
-        m.density = std::move(field);
+        m.grid = field.grid;
+        m.bounds = field.bounds;
+        media.push_back(std::move(m));
+        segment.intervals.push_back({&media.back(), t0, t1});
+        return media.back();
+    }
+
+    /// A medium of squared_grid(), whose grid is a field of n^3 voxels from the origin.
+    Medium& add_program(const Program& program, float t0, float t1, int n, const Voxels& voxels) {
+        const Field grid = field_of(n, voxels);
+        VolumeField field;
+        field.components[0] = grid.grid;
+        field.bounds[0] = std::make_shared<CellBounds>(CellBounds::of_grid(*grid.grid, field.filter));
+        const BoundsFrame frame{{}, {}, {{-1, -1, -1}, {n, n, n}}};
+        Medium m;
+        m.program =
+            std::make_shared<ProgramMedium>(program, nullptr, VolumeFields({field}), 1, ShadingPoint(),
+                                            TextureContext(), std::span<const ImageBounds>());
+        m.bounds = bounds_of_program(*m.program, frame, {Accelerator::grid, true});
         media.push_back(std::move(m));
         segment.intervals.push_back({&media.back(), t0, t1});
         return media.back();
@@ -86,11 +131,22 @@ struct Line {
                 continue;
             const Medium& m = *i.medium;
             const Vec3f p = segment.ray.at(static_cast<float>(t));
+            const bool counted = !scatters || scatters == &m;
+            if (m.program) {
+                const MediumPoint all = m.program->coefficients({p, -segment.ray.d});
+                const Rgb emission = m.program->emission({p, -segment.ray.d});
+                for (int c = 0; c < 3; ++c) {
+                    out.sigma_t[c] += double{all.sigma_t[c]};
+                    out.sigma_s[c] += counted ? double{all.sigma_s[c]} : 0;
+                    out.emission[c] += double{emission[c]};
+                }
+                continue;
+            }
             const double density =
-                m.density ? double{m.density->grid->trilinear(m.density->index_from_world.point(p))} : 1;
+                m.grid ? double{m.grid->trilinear(m.bounds->index_from_world.point(p))} : 1;
             for (int c = 0; c < 3; ++c) {
                 out.sigma_t[c] += density * double{m.sigma_t[c]};
-                out.sigma_s[c] += density * double{m.sigma_s[c]};
+                out.sigma_s[c] += counted ? density * double{m.sigma_s[c]} : 0;
                 out.emission[c] += (m.density_scales_emission ? density : 1) * double{m.emission[c]};
             }
         }

@@ -2,6 +2,7 @@
 // Meshes, instances and scene sources for tests.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,33 @@ inline Mesh box_mesh(Vec3f low, Vec3f high, bool inwards = false) {
             triangles.push_back(q[corner]);
     }
     return mesh_of("box", positions, triangles);
+}
+
+/// A closed ball of radius 1 around the origin, faces outwards, poles on z.
+inline Mesh ball_mesh(int rows, int columns) {
+    std::vector<float> positions{0, 0, 1};
+    std::vector<std::int32_t> triangles;
+    for (int i = 1; i < rows; ++i) {
+        for (int j = 0; j < columns; ++j) {
+            const double theta = M_PI * i / rows, phi = 2 * M_PI * j / columns;
+            for (const double x :
+                 {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)})
+                positions.push_back(static_cast<float>(x));
+        }
+    }
+    positions.insert(positions.end(), {0, 0, -1});
+    const auto at = [&](int i, int j) {
+        return i == 0 ? 0 : i == rows ? 1 + (rows - 1) * columns : 1 + (i - 1) * columns + j % columns;
+    };
+    for (int i = 0; i < rows; ++i) {
+        for (int j = 0; j < columns; ++j) {
+            if (i + 1 < rows)
+                triangles.insert(triangles.end(), {at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+            if (i > 0)
+                triangles.insert(triangles.end(), {at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    }
+    return mesh_of("ball", positions, triangles);
 }
 
 /// Appends b to a.

@@ -9,6 +9,7 @@
 
 #include "math/sampler.h"
 #include "math/warp.h"
+#include "scene/crossings.h"
 #include "scene_fixtures.h"
 
 namespace nephele::test {
@@ -64,6 +65,36 @@ TEST(Intersector, FindsTheNearestPointWithinTheRay) {
     EXPECT_TRUE(scene.occluded({{0.3f, 0.2f, 5}, {0, 0, -1}}));
     EXPECT_FALSE(scene.occluded({{0.3f, 0.2f, 5}, {0, 0, -1}, 4.5f, 5.5f}));
     EXPECT_GT(scene.bytes(), 0u);
+}
+
+TEST(Intersector, WithWatertightFacesLeavesAClosedMeshAsOftenAsItEnters) {
+    // Rays aimed at vertices, along edges and at points of edges, to the last bit, from near and far.
+    for (const Vec3f scale : {Vec3f(1), Vec3f(-3, 1, 0.2f)}) {
+        World world{{ball_mesh(12, 24)}, {instance_of(0, scale, {0.3f, -20, 7})}};
+        const Intersector scene(world.meshes, world.instances, std::vector<std::uint32_t>{0},
+                                Intersector::Faces::watertight);
+        const Mesh& mesh = world.meshes[0];
+        const Transform& place = world.instances[0].world_from_object;
+        Rng rng(12);
+        int wrong = 0, met = 0;
+        for (int n = 0; n < 40000; ++n) {
+            const auto face =
+                static_cast<std::uint32_t>(rng.next() * static_cast<float>(mesh.triangle_count()));
+            const Vec3f v = place.point(mesh.vertex(face, 0)), w = place.point(mesh.vertex(face, 1));
+            const Vec3f target = n % 3 == 0 ? v : lerp(v, w, rng.next());
+            const Vec3f away = n % 3 == 2 ? normalize(w - v) : sample_sphere(rng.next2());
+            const Vec3f o = target + away * (n % 5 == 0 ? 1e5f : 10.0f);
+            std::vector<Crossing> all;
+            find_crossings(scene, world.instances, {o, normalize(target - o)}, kCameraRay, all);
+            int net = 0;
+            for (const Crossing& c : all)
+                net += c.sign;
+            wrong += net != 0;
+            met += !all.empty();
+        }
+        EXPECT_EQ(wrong, 0);
+        EXPECT_GT(met, 10000);
+    }
 }
 
 TEST(Intersector, PlacesInstancesThatShareAMeshAsItPlacesMeshesOfTheirOwn) {

@@ -57,8 +57,11 @@ struct Fixture {
         };
         const double moved[16] = {1, 0, 0, -10, 0, 1, 0, -20, 0, 0, 1, -30, 0, 0, 0, 1};
         const Transform index_from_world = transform_of(moved);
-        fields = VolumeFields({{{ramp(10), nullptr, nullptr}, index_from_world},
-                               {{ramp(1), ramp(2), ramp(3)}, index_from_world}});
+        VolumeField number, vector;
+        number.components[0] = ramp(10);
+        vector.components = {ramp(1), ramp(2), ramp(3)};
+        number.index_from_world = vector.index_from_world = index_from_world;
+        fields = VolumeFields({number, vector});
         point.volume = &fields;
 
         Image image;

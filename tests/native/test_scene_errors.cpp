@@ -72,8 +72,6 @@ TEST(SceneErrors, BadCoefficientsAreNamed) {
     expect_words(with([](VolumeClosure& c) { c.sigma_s = {1, -1e-6f, 1}; }), {"the cloud", "negative"});
     expect_words(with([](VolumeClosure& c) { c.sigma_a = {kNan, 0, 0}; }), {"the cloud", "finite"});
     expect_words(with([](VolumeClosure& c) { c.emission = {0, 0, kInfinity}; }), {"the cloud", "finite"});
-    for (const float g : {1.0f, -1.0f, 2.0f, kNan})
-        expect_words(with([&](VolumeClosure& c) { c.phase.a = g; }), {"the cloud", "anisotropy"});
     expect_words(complaint([](SceneSource& s) {
                      s.world.volume.emplace_back().sigma_s = Rgb(-1);
                  }),

@@ -4,12 +4,13 @@
 // false alarms.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 #include "cell_counts.h"
 #include "media_fixtures.h"
-#include "tracking/delta.h"
-#include "tracking/ratio.h"
+#include "tracking/free_flight.h"
+#include "tracking/transmittance.h"
 
 namespace nephele::test {
 namespace {
@@ -54,6 +55,15 @@ std::vector<Case> cases() {
              line.add({0.03f, 0.03f, 0.03f}, {0.01f, 0.01f, 0.01f}, 5, 45);
              return line;
          }},
+        {"absorbers",
+         [] {
+             Line line(slanted());
+             line.add(Rgb(0), {0.01f, 0.03f, 0.1f}, 5, 45);
+             line.add(Rgb(0), Rgb(0.02f), 0, 20);
+             line.add(Rgb(0.01f), Rgb(0.01f), 10, 30);
+             line.add(Rgb(0), {0.05f, 0.02f, 0}, 0, 50, field_of(kVoxels, bumps));
+             return line;
+         }},
         {"homogeneous_chromatic",
          [] {
              Line line(slanted());
@@ -68,6 +78,21 @@ std::vector<Case> cases() {
         {"spiky", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f)); }},
         {"noisy_thin", [] { return grid_line(noisy, Rgb(1e-3f), Rgb(1e-3f)); }},
         {"noisy_dense", [] { return grid_line(noisy, Rgb(1.0f), Rgb(0.1f)); }},
+        {"program",
+         [] {
+             Line line(slanted());
+             line.add_program(squared_grid({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, {0.1f, 0.3f, 0}), 0, 50,
+                              kVoxels, bumps);
+             return line;
+         }},
+        {"overlapping_grids",
+         [] {
+             Line line(slanted());
+             line.add({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, 0, 50, field_of(kVoxels, bumps));
+             line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
+             line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
+             return line;
+         }},
         {"overlapping",
          [] {
              Line line(slanted());
@@ -75,14 +100,39 @@ std::vector<Case> cases() {
              line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
              line.add({0, 0.02f, 0}, Rgb(0), 17, 50);
              line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
+             line.add_program(squared_grid({0.1f, 0.2f, 0.3f}, Rgb(0.1f), {0.1f, 0.3f, 0}), 5, 50, kVoxels,
+                              bumps);
              return line;
          }},
     };
 }
 
+Settings settings_of(Settings::Tracking tracking, bool global) {
+    Settings s;
+    s.tracking = tracking;
+    s.majorant = global ? Settings::Majorant::global : Settings::Majorant::grid;
+    return s;
+}
+
+/// Cases without programs, whose media can be made grey.
+std::vector<Case> direct_cases() {
+    std::vector<Case> out;
+    for (const Case& c : cases()) {
+        const Line line = c.line();
+        if (std::none_of(line.media.begin(), line.media.end(), [](const Medium& m) { return m.program; }))
+            out.push_back(c);
+    }
+    return out;
+}
+
 struct Tracker {
-    bool analog, global;
+    Settings::Tracking tracking;
+    bool global;
+    Settings settings() const { return settings_of(tracking, global); }
 };
+constexpr auto kWeighted = Settings::Tracking::weighted_delta;
+constexpr auto kAnalog = Settings::Tracking::delta;
+constexpr auto kDecomposition = Settings::Tracking::decomposition;
 
 class TrackingIn : public testing::TestWithParam<std::tuple<Case, Tracker>> {
   protected:
@@ -92,14 +142,15 @@ class TrackingIn : public testing::TestWithParam<std::tuple<Case, Tracker>> {
 
 std::string name_of(const testing::TestParamInfo<std::tuple<Case, Tracker>>& test) {
     const Tracker t = std::get<1>(test.param);
-    return std::get<0>(test.param).name + (t.analog ? "_analog" : "_weighted") +
-           (t.global ? "_global" : "_local");
+    const char* method = t.tracking == kAnalog     ? "_analog"
+                         : t.tracking == kWeighted ? "_weighted"
+                                                   : "_decomposition";
+    return std::get<0>(test.param).name + method + (t.global ? "_global" : "_local");
 }
+constexpr Tracker kTrackers[] = {{kWeighted, false},     {kWeighted, true}, {kDecomposition, false},
+                                 {kDecomposition, true}, {kAnalog, false},  {kAnalog, true}};
 INSTANTIATE_TEST_SUITE_P(Media, TrackingIn,
-                         testing::Combine(testing::ValuesIn(cases()),
-                                          testing::Values(Tracker{false, false}, Tracker{false, true},
-                                                          Tracker{true, false}, Tracker{true, true})),
-                         name_of);
+                         testing::Combine(testing::ValuesIn(cases()), testing::ValuesIn(kTrackers)), name_of);
 
 TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
     constexpr int kBins = 8, kFlights = 60000;
@@ -111,8 +162,7 @@ TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
     Rng rng(17);
     for (int n = 0; n < kFlights; ++n) {
         Rgb beta = start;
-        const Flight f =
-            sample_flight(line.segment, scratch, tracker.analog, tracker.global, beta, rng, counters);
+        const Flight f = sample_flight(line.segment, scratch, tracker.settings(), beta, rng, counters);
         const bool real = f.event == Flight::Event::scattered;
         const int bin = real ? std::min(static_cast<int>(f.t / 50 * kBins), kBins - 1) : -1;
         for (int c = 0; c < 3; ++c) {
@@ -142,7 +192,12 @@ TEST_P(TrackingIn, FlightsCarryTransmittanceInScatteringAndEmission) {
     }
 }
 
-TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
+class DistancesIn : public TrackingIn {};
+INSTANTIATE_TEST_SUITE_P(Media, DistancesIn,
+                         testing::Combine(testing::ValuesIn(direct_cases()), testing::ValuesIn(kTrackers)),
+                         name_of);
+
+TEST_P(DistancesIn, HaveTheRightDistribution) {
     constexpr int kFlights = 100000, kCells = 40;
     for (Medium& m : line.media) {  // grey and white: flights are then analog, with throughput 1
         m.sigma_t = m.sigma_s = Rgb(max_component(m.sigma_t));
@@ -160,8 +215,7 @@ TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
     Rng rng(23);
     for (int n = 0; n < kFlights; ++n) {
         Rgb beta(1);
-        const Flight f =
-            sample_flight(line.segment, scratch, tracker.analog, tracker.global, beta, rng, counters);
+        const Flight f = sample_flight(line.segment, scratch, tracker.settings(), beta, rng, counters);
         ASSERT_NEAR(beta.x, 1, 1e-4);
         if (f.event == Flight::Event::scattered)
             ++counts[std::min(static_cast<std::size_t>(f.t / 50 * kCells), std::size_t{kCells - 1})];
@@ -169,16 +223,24 @@ TEST_P(TrackingIn, DistancesHaveTheRightDistribution) {
     EXPECT_GT(chi_square_p(counts, probabilities, kFlights), kFalseAlarm);
 }
 
-class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, bool>> {};
+using Estimator = Settings::Transmittance;
+class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, Estimator, bool>> {};
+std::string estimator_name(const testing::TestParamInfo<std::tuple<Case, Estimator, bool>>& test) {
+    constexpr const char* kNames[] = {"_ratio", "_residual_ratio", "_ray_marching"};
+    const auto& [medium, estimator, global] = test.param;
+    return medium.name + kNames[static_cast<int>(estimator)] + (global ? "_global" : "_local");
+}
 INSTANTIATE_TEST_SUITE_P(Media, TransmittanceIn,
-                         testing::Combine(testing::ValuesIn(cases()), testing::Bool()), [](const auto& test) {
-                             return std::get<0>(test.param).name +
-                                    (std::get<1>(test.param) ? "_global" : "_local");
-                         });
+                         testing::Combine(testing::ValuesIn(cases()),
+                                          testing::Values(Estimator::ratio, Estimator::residual_ratio,
+                                                          Estimator::ray_marching),
+                                          testing::Bool()),
+                         estimator_name);
 
 TEST_P(TransmittanceIn, IsUnbiased) {
     Line line = std::get<0>(GetParam()).line();
-    const bool global = std::get<1>(GetParam());
+    Settings settings = settings_of(kWeighted, std::get<2>(GetParam()));
+    settings.transmittance = std::get<1>(GetParam());
     for (const float thickness : {1e-3f, 0.1f, 1.0f, 4.0f}) {  // times the case's own
         for (Medium& m : line.media)
             m.sigma_t *= thickness;
@@ -186,7 +248,7 @@ TEST_P(TransmittanceIn, IsUnbiased) {
         Rng rng(29);
         Mean T[3];
         for (int n = 0; n < 40000; ++n) {
-            const Rgb t = estimate_transmittance(line.segment, global, rng, counters);
+            const Rgb t = estimate_transmittance(line.segment, settings, rng, counters);
             for (int c = 0; c < 3; ++c)
                 T[c].add(double{t[c]});
         }
@@ -202,19 +264,77 @@ TEST_P(TransmittanceIn, IsUnbiased) {
     }
 }
 
+// The power series is unbiased whatever its estimates are: here of exp(-2), from numbers that are off by
+// half.
+TEST(Tracking, PowerSeriesOfNoisyDepthsIsUnbiased) {
+    Mean mean;
+    Rng rng(53);
+    for (int n = 0; n < 2000000; ++n) {
+        const int terms = detail::series_length(rng);
+        double x[detail::kMaxTerms + 1];
+        for (int i = 0; i <= terms; ++i)
+            x[i] = rng.next() < 0.5f ? -1 : -3;
+        mean.add(detail::power_series(x, terms));
+    }
+    EXPECT_LT(mean.z(std::exp(-2.0)), kSigmas) << mean.mean();
+}
+
+TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
+    constexpr int kFlights = 40000;
+    float number = 0;
+    for (Medium& m : line.media)
+        m.phase.p0 = m.program ? kProgramG : number++;  // tells whose a share is
+    const auto medium_of = [&](const ScatterShare& share) {
+        const auto found = std::find_if(line.media.begin(), line.media.end(),
+                                        [&](const Medium& m) { return m.phase.p0 == share.phase.p0; });
+        return static_cast<std::size_t>(found - line.media.begin());
+    };
+    std::vector<std::array<Mean, 3>> by_medium(line.media.size());
+    TrackingScratch scratch;
+    Counters counters;
+    Rng rng(59);
+    for (int n = 0; n < kFlights; ++n) {
+        Rgb beta(1);
+        const Flight f = sample_flight(line.segment, scratch, tracker.settings(), beta, rng, counters);
+        std::vector<Rgb> scattered(line.media.size());
+        if (f.event == Flight::Event::scattered) {
+            Rgb total;
+            for (const ScatterShare& share : scratch.shares)
+                total += share.sigma_s;
+            for (const ScatterShare& share : scratch.shares)
+                scattered[medium_of(share)] += beta * share.sigma_s / max(total, Rgb(1e-30f));
+        }
+        for (std::size_t m = 0; m < scattered.size(); ++m) {
+            for (int c = 0; c < 3; ++c)
+                by_medium[m][static_cast<std::size_t>(c)].add(double{scattered[m][c]});
+        }
+    }
+    for (std::size_t m = 0; m < line.media.size(); ++m) {
+        line.scatters = &line.media[m];
+        for (int c = 0; c < 3; ++c) {
+            const double expected = Profile(line, 0, 50, c, 20000).scattered.back();
+            if (expected * kFlights < 50)
+                continue;
+            const Mean& mean = by_medium[m][static_cast<std::size_t>(c)];
+            EXPECT_LT(mean.z(expected, 1e-4), kSigmas)
+                << "medium " << m << " channel " << c << ": " << mean.mean() << ", not " << expected;
+        }
+    }
+}
+
 TEST(Tracking, IsRightFromOneMillionthToAMillionMeanFreePaths) {
     for (const double tau : {1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e3, 1e6}) {
         Line line({{0, 0, 0}, {0, 0, 1}, 0, 2});
         line.add(Rgb(static_cast<float>(tau / 2)), Rgb(0), 0, 2);
         Counters counters;
         Rng rng(31);
-        EXPECT_NEAR(estimate_transmittance(line.segment, false, rng, counters).x, std::exp(-tau), 1e-7);
+        EXPECT_NEAR(estimate_transmittance(line.segment, Settings(), rng, counters).x, std::exp(-tau), 1e-7);
         TrackingScratch scratch;
         const int flights = tau < 1e-5 ? 20000000 : tau < 1e-3 ? 2000000 : 50000;
         Mean hit, depth;
         for (int n = 0; n < flights; ++n) {
             Rgb beta(1);
-            const Flight f = sample_flight(line.segment, scratch, false, false, beta, rng, counters);
+            const Flight f = sample_flight(line.segment, scratch, Settings(), beta, rng, counters);
             hit.add(f.event == Flight::Event::scattered ? 1 : 0);
             if (f.event == Flight::Event::scattered)
                 depth.add(double{f.t} * tau / 2);
@@ -229,13 +349,17 @@ TEST(Tracking, IsRightFromOneMillionthToAMillionMeanFreePaths) {
 
 TEST(Tracking, TransmittanceThroughAMillionMeanFreePathsOfAGridIsShortWork) {
     const Line line = grid_line(noisy, Rgb(1e5f), Rgb(0));
-    Counters counters;
-    Rng rng(37);
-    for (int n = 0; n < 1000; ++n)
-        EXPECT_LT(estimate_transmittance(line.segment, false, rng, counters).x, 1e-6f);
-    // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a
-    // ray, where a whole walk would take a million.
-    EXPECT_LT(counters.density_lookups, 3000000u);
+    for (const auto estimator : {Estimator::ratio, Estimator::residual_ratio, Estimator::ray_marching}) {
+        Settings settings;
+        settings.transmittance = estimator;
+        Counters counters;
+        Rng rng(37);
+        for (int n = 0; n < 1000; ++n)
+            EXPECT_LT(estimate_transmittance(line.segment, settings, rng, counters).x, 1e-6f);
+        // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a
+        // ray, where a whole walk would take a million.
+        EXPECT_LT(counters.density_lookups, 3000000u);
+    }
 }
 
 TEST(Tracking, FlightsLeaveAnEndlessMediumInTheChannelsItDoesNotTouch) {
@@ -250,7 +374,7 @@ TEST(Tracking, FlightsLeaveAnEndlessMediumInTheChannelsItDoesNotTouch) {
             Rng rng(41);
             for (int n = 0; n < 20000; ++n) {
                 Rgb beta(1);
-                const Flight f = sample_flight(line.segment, scratch, false, false, beta, rng, counters);
+                const Flight f = sample_flight(line.segment, scratch, Settings(), beta, rng, counters);
                 for (int c = 0; c < 3; ++c)
                     passed[c].add(f.event == Flight::Event::passed ? double{beta[c]} : 0);
             }
@@ -272,7 +396,8 @@ TEST(Tracking, EmissionByAGridIsIntegratedAlongTheRay) {
         Rng rng(43);
         for (int n = 0; n < 40000; ++n) {
             Rgb beta(1);
-            const Flight f = sample_flight(line.segment, scratch, false, global, beta, rng, counters);
+            const Flight f =
+                sample_flight(line.segment, scratch, settings_of(kWeighted, global), beta, rng, counters);
             for (int c = 0; c < 3; ++c)
                 emitted[c].add(double{f.emitted[c]});
         }

@@ -17,27 +17,6 @@ namespace nephele {
 namespace {
 
 template <typename Grid>
-void expect_equal(const Grid& source, const BrickGrid& loaded) {
-    auto accessor = source.getConstAccessor();
-    for (int i = -320; i < 420; i += 2) {
-        for (int j = -270; j < 280; j += 5) {
-            for (int k = -270 + (i + j) % 5; k < 280; k += 5) {
-                ASSERT_EQ(loaded.lookup(i, j, k), static_cast<float>(accessor.getValue(Coord(i, j, k))))
-                    << i << ' ' << j << ' ' << k;
-            }
-        }
-    }
-    for (auto v = source.cbeginValueOn(); v; ++v) {
-        const Coord c = v.getCoord();
-        ASSERT_EQ(loaded.lookup(c[0], c[1], c[2]), static_cast<float>(*v));
-    }
-    EXPECT_EQ(loaded.active_voxels(), static_cast<std::int64_t>(source.activeVoxelCount()));
-    const auto box = source.evalActiveVoxelBoundingBox();
-    EXPECT_EQ(loaded.active_bounds(), (IndexBox{{box.min()[0], box.min()[1], box.min()[2]},
-                                                {box.max()[0], box.max()[1], box.max()[2]}}));
-}
-
-template <typename Grid>
 class VdbFileOf : public VdbFile {};
 using ScalarGrids =
     testing::Types<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid, openvdb::BoolGrid>;
@@ -99,17 +78,14 @@ TEST_F(VdbFile, AnyAffineTransformComesInColumnConvention) {
     }
 }
 
-TEST_F(VdbFile, RefusesWhatIsNotAnAffineScalarGrid) {
+TEST_F(VdbFile, RefusesFrusta) {
     const auto frustum = random_grid<openvdb::FloatGrid>(7, 0, "frustum");
     frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
         openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(100)), 0.5, 10, 0.1));
-    const auto velocity = openvdb::Vec3SGrid::create();
-    velocity->setName("velocity");
-    write({frustum, velocity});
-    EXPECT_NE(load_error("frustum").find("frustum transform"), std::string::npos);
-    const std::string error = load_error("velocity");
-    EXPECT_NE(error.find("vec3s"), std::string::npos) << error;
-    EXPECT_NE(error.find(path_ + ": grid \"velocity\""), std::string::npos) << error;
+    write({frustum});
+    const std::string error = load_error("frustum");
+    EXPECT_NE(error.find("frustum transform"), std::string::npos);
+    EXPECT_NE(error.find(path_ + ": grid \"frustum\""), std::string::npos) << error;
 }
 
 TEST_F(VdbFile, ErrorsNameTheFileAndTheRemedy) {
@@ -119,8 +95,6 @@ TEST_F(VdbFile, ErrorsNameTheFileAndTheRemedy) {
     std::ofstream(path_, std::ios::trunc) << "x";
     EXPECT_EQ(load_error("density"), path_ + " is not an OpenVDB file");
     EXPECT_NE(error_of([&] { list_grids(folder_.string()); }).find("cannot be opened"), std::string::npos);
-    write({random_grid<openvdb::FloatGrid>(1, 0, "smoke"), random_grid<openvdb::FloatGrid>(2, 0, "heat")});
-    EXPECT_EQ(load_error("density"), path_ + " has no grid \"density\"; its grids: smoke, heat");
 }
 
 TEST_F(VdbFile, EmptyGridsAreEmpty) {
@@ -165,31 +139,6 @@ TEST_F(VdbFile, WrongValuesBecomeZeroAndAreCounted) {
         path_ + ": grid \"density\" has 515 voxels that are NaN, infinite or negative: they count as 0");
 }
 
-TEST_F(VdbFile, LevelSetsBecomeTheFogOfTheirInside) {
-    const auto sphere = openvdb::FloatGrid::create(3);
-    sphere->setName("density");
-    sphere->setGridClass(openvdb::GRID_LEVEL_SET);
-    for (int v = 0; v < 50 * 50 * 50;
-         ++v) {  // distances to the sphere of radius 20 around (5, 0, 0), cut at +-3
-        const Coord at(v / 2500 - 20, v / 50 % 50 - 25, v % 50 - 25);
-        const auto distance = static_cast<float>((at - Coord(5, 0, 0)).asVec3d().length() - 20);
-        if (std::fabs(distance) < 3)
-            sphere->tree().setValueOn(at, distance);
-        if (distance <= -3)
-            sphere->tree().setValueOff(at, -3);
-    }
-    write({sphere});
-    const LoadedGrid loaded = load_grid(path_, "density");
-    EXPECT_EQ(loaded.grid->lookup(5, 0, 0), 1.0f);
-    EXPECT_EQ(loaded.grid->lookup(5, 16, 0), 1.0f);
-    EXPECT_EQ(loaded.grid->lookup(5, 18, 0), 2.0f / 3);
-    EXPECT_EQ(loaded.grid->lookup(5, 21, 0), 0.0f);
-    EXPECT_EQ(loaded.grid->lookup(100, 0, 0), 0.0f);
-    EXPECT_EQ(loaded.grid->background(), 0.0f);
-    ASSERT_EQ(loaded.warnings.size(), 1u);
-    EXPECT_NE(loaded.warnings[0].find("level set"), std::string::npos);
-}
-
 TEST_F(VdbFile, SharedTreesAndEqualNamesAreFound) {
     const auto first = random_grid<openvdb::FloatGrid>(8, 0, "density");
     const auto shared = openvdb::FloatGrid::create(first->treePtr());
@@ -200,7 +149,12 @@ TEST_F(VdbFile, SharedTreesAndEqualNamesAreFound) {
     const LoadedGrid instance = load_grid(path_, "shared");
     expect_equal(*first, *instance.grid);
     EXPECT_EQ(instance.world_from_index[0], 4.0);
-    expect_equal(*first, *load_grid(path_, "density").grid);
+    const LoadedGrid one_of_two = load_grid(path_, "density");
+    expect_equal(*first, *one_of_two.grid);
+    EXPECT_EQ(one_of_two.warnings,
+              std::vector<std::string>{path_ +
+                                       ": grid \"density[0]\" is one of 2 of this name: the first is used"});
+    EXPECT_TRUE(load_grid(path_, "density[1]").warnings.empty());
     expect_equal(*second, *load_grid(path_, "density[1]").grid);
     EXPECT_EQ(list_grids(path_).at(1).active_voxels, static_cast<std::int64_t>(first->activeVoxelCount()));
 }

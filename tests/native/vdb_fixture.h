@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "math/sampler.h"
 #include "grids/vdb_file.h"
+#include "math/sampler.h"
 
 namespace nephele {
 
@@ -79,6 +79,31 @@ typename Grid::Ptr random_grid(std::uint64_t seed, typename Grid::ValueType back
     grid->tree().addTile(1, Coord(400, 8, 16), static_cast<Value>(2),
                          false);  // inactive tiles have values, too
     return grid;
+}
+
+template <typename Grid>
+void expect_equal(const Grid& source, const BrickGrid& loaded) {
+    auto accessor = source.getConstAccessor();
+    for (int i = -320; i < 420; i += 2) {
+        for (int j = -270; j < 280; j += 5) {
+            for (int k = -270 + (i + j) % 5; k < 280; k += 5) {
+                ASSERT_EQ(loaded.lookup(i, j, k), static_cast<float>(accessor.getValue(Coord(i, j, k))))
+                    << i << ' ' << j << ' ' << k;
+            }
+        }
+    }
+    for (auto v = source.cbeginValueOn(); v; ++v) {
+        const Coord c = v.getCoord();
+        ASSERT_EQ(loaded.lookup(c[0], c[1], c[2]), static_cast<float>(*v));
+    }
+    EXPECT_EQ(loaded.active_voxels(), static_cast<std::int64_t>(source.activeVoxelCount()));
+    const auto box = source.evalActiveVoxelBoundingBox();
+    if (box.empty()) {
+        EXPECT_TRUE(loaded.active_bounds().empty());
+    } else {
+        EXPECT_EQ(loaded.active_bounds(), (IndexBox{{box.min()[0], box.min()[1], box.min()[2]},
+                                                    {box.max()[0], box.max()[1], box.max()[2]}}));
+    }
 }
 
 }  // namespace nephele

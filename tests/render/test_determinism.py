@@ -36,11 +36,14 @@ def small_world():
     lamp = d.Light("lamp", "area", facing((1, -1, 2), (0, 0, 0)), (50.0, 40.0, 30.0))
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0), 0.4), sky, lights=(lamp,))
     scene.add_volume(
-        GRID, d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), 0.5, density_grid="density")
+        GRID,
+        d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), d.Phase(a=0.5), density_grid="density"),
     )
     scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse((0.8, 0.6, 0.4)))
     scene.add(sphere(0.3, 2), emission((3.0, 2.0, 1.0)), (), placed(-1, -0.6, -0.3))
-    return scene.add(box((0, -1, -1), (1.2, 1, 0.4)), None, (d.VolumeClosure((0.3, 0.2, 0.1), phase=d.Phase(a=-0.3)),))
+    return scene.add(
+        box((0, -1, -1), (1.2, 1, 0.4)), None, (d.VolumeClosure((0.3, 0.2, 0.1), phase=d.Phase(a=-0.3)),)
+    )
 
 
 def dense():

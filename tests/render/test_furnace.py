@@ -126,7 +126,7 @@ def test_shining_world_in_balance(g):
     """An endless medium, sigma_s over sigma_a different in each channel, with white surfaces in it and no
     light but its own: radiance j / sigma_a everywhere."""
     sigma_s, sigma_a, j = np.array([1.0, 2.0, 0.5]), np.array([0.5, 1.0, 2.0]), np.array([2.0, 1.0, 3.0])
-    shining = d.VolumeClosure(tuple(sigma_s), tuple(sigma_a), tuple(j), g)
+    shining = d.VolumeClosure(tuple(sigma_s), tuple(sigma_a), tuple(j), d.Phase(a=g))
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0)), world_volume=(shining,)).add(
         sphere(1.0, 3), diffuse(1.0)
     )
@@ -136,6 +136,6 @@ def test_shining_world_in_balance(g):
 def test_shining_box_in_balance_with_the_world():
     """Inside and outside a box of absorbing, scattering and shining medium the world's radiance is j /
     sigma_a."""
-    shining = d.VolumeClosure((1, 2, 0), (0.5, 1, 2), (0.5, 1, 2), 0.5)
+    shining = d.VolumeClosure((1, 2, 0), (0.5, 1, 2), (0.5, 1, 2), d.Phase(a=0.5))
     for view in (OUTSIDE, INSIDE):
         check(Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (shining,)))

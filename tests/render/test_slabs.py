@@ -13,57 +13,24 @@ a test cannot pass by noise.
 
 import numpy as np
 import pytest
-from nephele import description as d
-from truth import BOX_FILTER, NO_LIMIT, Scene, assert_mean, box, facing, half_world, orthographic
-
-ALBEDOS = (0.5, 0.9, 0.99)
-UP, DOWN = half_world(1.0), half_world(0.0, 1.0)
-
-
-def closure(albedos, g=0.0, **more):
-    """Returns a medium of extinction 1/m and these albedos by channel."""
-    a = np.array(albedos, float)
-    return d.VolumeClosure(tuple(a), tuple(1 - a), phase=d.Phase(a=g), **more)
-
-
-def camera(b, mu, below=False, azimuth=0.6):
-    """Returns a camera that sees the slab 0 < z < b from above, or from below, along a line of cosine mu."""
-    s = np.sqrt(1 - mu * mu)
-    away = np.array([s * np.cos(azimuth), s * np.sin(azimuth), -mu if below else mu])
-    target = np.array([0, 0, 0.0 if below else b])
-    return orthographic(target + 5 * away, target)
-
-
-def slab(b, medium, view, world=None, lights=()):
-    wide = box((-1000, -1000, 0), (1000, 1000, b), "slab")
-    return Scene(view, world, lights=lights).add(wide, None, (medium,))
-
-
-def beam(mu0, irradiance):
-    """Returns a sun without extent; irradiance: on a plane normal to the beam."""
-    to_sun = (np.sqrt(1 - mu0 * mu0), 0.0, mu0)
-    return d.Light("beam", "sun", facing(to_sun, (0, 0, 0)), (irradiance,) * 3)
-
-
-def radiance(scene, samples=64, **settings):
-    return scene.render(size=48, samples=samples, seed=7, **NO_LIMIT, **BOX_FILTER, **settings)["Combined"]
-
-
-# Adding-doubling: iadpython 0.5.3 (S. Prahl), 16 quadrature points, converged to 1e-5; rows a = 0.5, 0.9,
-# 0.99, 1.0. UR1, UT1: reflectance and transmittance (unscattered light included) of a beam along the normal.
-# By reciprocity they are the radiance at mu = 1, above the slab and below it, where radiance 1 falls on its
-# top from everywhere. The rows a = 1, b = 1 agree with van de Hulst 1980, volume 1 table 12 (g = 0: R
-# 0.34133) and volume 2 table 35 (g = 0.5: T 0.82389); a = 0.9, b = 2, g = 0.75 with Wang, Jacques, Zheng 1995
-# (diffuse R 0.09739).
-ADDING_DOUBLING = {
-    (0.0, 1): ((0.09912, 0.26741, 0.33292, 0.34133), (0.44606, 0.59163, 0.65098, 0.65867)),
-    (0.0, 8): ((0.11523, 0.41484, 0.72875, 0.82180), (0.00082, 0.01602, 0.12207, 0.17820)),
-    (0.5, 0.5): ((0.02676, 0.07204, 0.08785, 0.08980), (0.73004, 0.86720, 0.90569, 0.91020)),
-    (0.5, 1): ((0.03824, 0.12979, 0.17073, 0.17611), (0.52007, 0.73909, 0.81452, 0.82389)),
-    (0.75, 2): ((0.01846, 0.09740, 0.15440, 0.16318), (0.30533, 0.66096, 0.81604, 0.83682)),
-    (0.75, 8): ((0.01953, 0.16298, 0.43305, 0.50642), (0.00539, 0.13061, 0.41633, 0.49358)),
-}
-HALF_DIGIT = 1.5e-5  # the tables' last digit, and their convergence
+from slabs import (
+    ADDING_DOUBLING,
+    ALBEDOS,
+    BEAMS,
+    DOWN,
+    HALF_DIGIT,
+    ISOTROPIC,
+    MU,
+    TABLE_ALBEDOS,
+    UP,
+    H,
+    beam,
+    camera,
+    closure,
+    radiance,
+    slab,
+)  # fmt: skip
+from truth import Scene, assert_mean
 
 
 @pytest.mark.parametrize(("g", "b"), ADDING_DOUBLING)
@@ -71,7 +38,7 @@ HALF_DIGIT = 1.5e-5  # the tables' last digit, and their convergence
 def test_slab_under_diffuse_light_is_adding_doubling(g, b, side):
     table = np.array(ADDING_DOUBLING[g, b][side])
     for picked in ((0, 1, 2), (1, 2, 3)):
-        albedos = np.array([*ALBEDOS, 1.0])[list(picked)]
+        albedos = np.array(TABLE_ALBEDOS)[list(picked)]
         scene = slab(b, closure(albedos, g), camera(b, 1.0, below=side == 1), UP)
         expected = table[list(picked)]
         assert_mean(radiance(scene, 128), expected, rounding=HALF_DIGIT / expected, most=0.01)
@@ -97,24 +64,6 @@ def test_slab_of_a_grid_is_adding_doubling(tmp_path, openvdb, settings):
         assert_mean(radiance(scene, 64, **settings), expected, rounding=HALF_DIGIT / expected, most=0.01)
 
 
-# DISORT's test suite (Stamnes et al. 1988; disotest of nanodisort and cdisort), problem 1 after van de Hulst
-# 1980, volume 1 table 12, problem 3 after volume 2 table 37. Beams carry flux pi onto the slab. Radiance at
-# mu = 0.1, 0.5, 1 upwards above the slab and (diffuse) downwards below it.
-BEAMS = {
-    "1a 1b": (0.03125, (0.2, 1.0, 1.0), 0.0, 0.1,
-        ((0.117771, 0.622884), (0.0264170, 0.139763), (0.0134041, 0.0709192)),
-        ((0.115898, 0.613458), (0.0263324, 0.139337), (0.0133826, 0.0708109))),
-    "1d 1e": (32, (0.2, 1.0, 1.0), 0.0, 0.1,
-        ((0.262972, 1.93321), (0.0906967, 1.02732), (0.0502853, 0.797199)),
-        ((0.0, 0.0116385), (0.0, 0.0187805), (0.0, 0.0271316))),
-    "3a": (1, (1.0, 1.0, 1.0), 0.75, 1.0,
-        ((0.151159,), (0.101103,), (0.0395460,)), ((0.213750,), (0.266648,), (3.05855,))),
-    "3b": (8, (1.0, 1.0, 1.0), 0.75, 1.0,
-        ((0.379740,), (0.519598,), (0.493302,)), ((0.236362,), (0.422350,), (0.669581,))),
-}  # fmt: skip
-MU = (0.1, 0.5, 1.0)
-
-
 @pytest.mark.parametrize("case", BEAMS)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_a_beam_is_disort(case, below):
@@ -126,26 +75,12 @@ def test_slab_under_a_beam_is_disort(case, below):
         assert_mean(radiance(scene, samples), expected, rounding=1e-5, most=most)
 
 
-# DISORT's problem 1, isotropic light of radiance 1 from above, a = 0.99; below, unscattered light counts.
-ISOTROPIC = {0.03125: ((0.133177, 0.0299879, 0.0152233), (0.863946, 0.969363, 0.984447)),
-             32: ((0.877510, 0.815136, 0.752715), (0.000779280, 0.00126492, 0.00186840))}  # fmt: skip
-
-
 @pytest.mark.parametrize("b", ISOTROPIC)
 @pytest.mark.parametrize("below", [False, True], ids=["above", "below"])
 def test_slab_under_isotropic_light_is_disort(b, below):
     for mu, value in zip(MU, ISOTROPIC[b][below], strict=True):
         scene = slab(b, closure((0.99,) * 3), camera(b, mu, below), UP)
         assert_mean(radiance(scene, 32 if b == 32 else 128), value, rounding=2e-5, most=0.02)
-
-
-# Chandrasekhar's H function for isotropic scattering (400-point Gauss quadrature; H(1) at a = 1 is 2.9078):
-# BRF(mu, mu0) = a H(mu) H(mu0) / (4 (mu + mu0)) = pi L / E; R(mu0) = 1 - sqrt(1 - a) H(mu0).
-H = {
-    0.1: (1.072369, 1.172143, 1.224875),
-    0.5: (1.187735, 1.556034, 1.848601),
-    1.0: (1.251260, 1.850099, 2.472793),
-}
 
 
 @pytest.mark.parametrize(("mu", "mu0"), [(1.0, 1.0), (0.5, 1.0), (1.0, 0.1), (0.1, 0.5)])

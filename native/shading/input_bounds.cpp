@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/input_bounds.h"
+
+#include "scene/mesh.h"
+#include "shading/channel_bounds.h"
+#include "shading/shading_inputs.h"
+
+namespace nephele {
+namespace {
+
+Interval3 box_of(const BoundsInput& input) {
+    return {{input.lo.x, input.hi.x}, {input.lo.y, input.hi.y}, {input.lo.z, input.hi.z}};
+}
+
+Interval3 transformed(const Transform& t, const Interval3& p, bool vector) {
+    const Vec3f move = vector ? Vec3f(0) : t.translation;
+    return {row_bounds(t.row[0], move.x, p), row_bounds(t.row[1], move.y, p),
+            row_bounds(t.row[2], move.z, p)};
+}
+
+Interval3 object_box(const BoundsInput& input) {
+    const Interval3 p = box_of(input);
+    if (input.point.instance)
+        return transformed(input.point.instance->object_from_world, p, false);
+    return input.point.is_place() ? moved(p, input.context.origin) : p;
+}
+
+Interval3 generated(const BoundsInput& input) {
+    const Interval3 p = object_box(input);
+    if (!input.point.mesh)
+        return p;
+    const Mesh& mesh = *input.point.mesh;
+    const auto channel = [&](int c) {
+        return divide(p[c] - mesh.generated_min[c], Interval1(mesh.generated_size[c]));
+    };
+    return {channel(0), channel(1), channel(2)};
+}
+
+Interval3 camera_box(const BoundsInput& input) {
+    return transformed(input.context.camera_from_world, box_of(input), !input.point.is_place());
+}
+
+Interval3 window(const BoundsInput& input) {
+    const Interval3 p = camera_box(input);
+    const auto [left, right, bottom, top] = input.context.viewplane;
+    const auto projected = [&](Interval1 x) {
+        if (input.context.orthographic)
+            return x;
+        return p[2].contains(0) ? join(divide(x, -p[2]), x) : quotient(x, -p[2]);
+    };
+    const Interval1 x = projected(p[0]), y = projected(p[1]);
+    return {quotient(x - left, Interval1(right) - left), quotient(y - bottom, Interval1(top) - bottom),
+            Interval1(0)};
+}
+
+}  // namespace
+
+Interval1 row_bounds(Vec3f row, double translation, const Interval3& p) {
+    return p[0] * row.x + p[1] * row.y + p[2] * row.z + translation;
+}
+
+Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
+    switch (op) {
+        case Op::generated:
+            return generated(input);
+        case Op::object_coordinate:
+            return object_box(input);
+        case Op::camera_coordinate: {
+            const Interval3 p = camera_box(input);
+            return {p[0], p[1], -p[2]};
+        }
+        case Op::window_coordinate:
+            return window(input);
+        case Op::position:
+            return input.point.is_place() ? moved(box_of(input), input.context.origin) : box_of(input);
+        case Op::normal:
+        case Op::normal_object:
+        case Op::geometric_normal:
+        case Op::incoming:
+        case Op::reflection:
+            return Interval3(kDirection);
+        case Op::backfacing:
+            return Interval3({0, 1});
+        case Op::ray_is:
+            return Interval3(mode == 0 ? Interval1(0) : Interval1(0, 1));
+        case Op::uv:
+        case Op::object_location:
+        case Op::object_color:
+        case Op::object_random:
+        case Op::object_index:
+        case Op::attribute:
+        case Op::attribute_alpha:  // the same all over the box
+            return Interval3(shading_input(op, mode, input.point, input.context));
+        default:
+            return Interval3(everything());
+    }
+}
+
+}  // namespace nephele

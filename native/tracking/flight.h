@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Free flights: where, along a ray through any number of overlapping media, does a path scatter? What the
+// methods (delta.h, decomposition.h) share: the result, the media at a candidate, emission on the way.
+#pragma once
+
+#include "tracking/candidates.h"
+
+namespace nephele {
+
+/// The part of sigma_s at a scattering point that one medium contributes.
+struct ScatterShare {
+    Rgb sigma_s;
+    PhaseFunction phase;
+};
+
+struct Flight {
+    enum class Event { passed, scattered, absorbed } event = Event::passed;
+    float t = 0;
+    Rgb emitted;  ///< gathered along the way, throughput included
+    Rgb albedo;   ///< single-scattering albedo where the path met the medium
+};
+
+/// Memory that a path reuses from segment to segment.
+struct TrackingScratch {
+    std::vector<MajorantTrack> tracks;
+    std::vector<ScatterShare> shares;  ///< filled where a flight scatters
+    std::vector<Interval> absorbers;   ///< constant media that only absorb: these have a closed form
+
+    /// `analog`: absorbers are tracked like the others.
+    void start(const Segment& segment, bool analog, bool global_majorant) {
+        tracks.clear();
+        absorbers.clear();
+        for (const Interval& interval : segment.intervals) {
+            const Medium& m = *interval.medium;
+            if (!analog && !m.bounds && is_zero(m.sigma_s) && is_zero(m.emission)) {
+                absorbers.push_back(interval);
+            } else {
+                tracks.emplace_back(interval, segment, global_majorant);
+            }
+        }
+    }
+    /// What the absorbers let through up to t.
+    Rgb absorbed_to(float t) const {
+        Rgb T(1);
+        for (const Interval& a : absorbers) {
+            if (t > a.t0)
+                T *= homogeneous_transmittance(a.medium->sigma_t, std::min(t, a.t1) - a.t0);
+        }
+        return T;
+    }
+};
+
+namespace detail {
+
+/// Of all media at a point; sigma_t_scattering: of those that scatter there.
+struct Coefficients {
+    Rgb sigma_s, sigma_t, sigma_t_scattering;
+
+    void add(Rgb s, Rgb t) {
+        sigma_s += s;
+        sigma_t += t;
+        if (!is_zero(s))
+            sigma_t_scattering += t;
+    }
+};
+
+/// Sum of the coefficients of the tracks active at t; fills scratch.shares.
+inline Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng, Counters& counters) {
+    Coefficients sum;
+    scratch.shares.clear();
+    for (const MajorantTrack& track : scratch.tracks) {
+        if (!track.covers(t) || track.empty() || !track.medium().interacts())
+            continue;
+        const MediumPoint m = track.point(t, rng, counters);
+        if (is_zero(m.sigma_t))
+            continue;
+        sum.add(m.sigma_s, m.sigma_t);
+        scratch.shares.push_back({m.sigma_s, m.phase});
+    }
+    return sum;
+}
+
+/// Emission of the stretch [t0, t1], on which no event happened: one point stands for it.
+inline Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, Rng& rng,
+                            Counters& counters) {
+    Rgb sum;
+    if (!(t1 < kInfinity))
+        return sum;
+    float t = -1;
+    for (const MajorantTrack& track : scratch.tracks) {
+        const Medium& m = track.medium();
+        const bool dark = track.empty() && (m.density_scales_emission || m.program);
+        if (track.interval().t0 > t0 || !m.emits() || dark)
+            continue;
+        if (t < 0)
+            t = lerp(t0, t1, rng.next());
+        sum += track.emission(t, rng, counters) * (t1 - t0);
+    }
+    return scratch.absorbers.empty() || t < 0 ? sum : sum * scratch.absorbed_to(t);
+}
+
+/// Through homogeneous media of great depth, the world's above all, channels that they do not touch are sure
+/// to get away, and the others are sure not to: decides between the two and leaves beta with the channels
+/// decided for. Returns where the path gets to, or nothing where it does not get away so. Without this, a
+/// path of an untouched channel would meet null collisions for ever.
+inline std::optional<float> escape_deep_media(const TrackingScratch& scratch, float t, Rgb& beta, Rng& rng) {
+    constexpr float kOpaque = 104;  // exp(-kOpaque) is 0 in single precision
+    const float end = scratch.tracks.front().piece_end();
+    Rgb sigma_t;
+    for (const MajorantTrack& track : scratch.tracks) {
+        if (track.medium().bounds || track.piece_end() != end || t < track.interval().t0)
+            return std::nullopt;
+        sigma_t += track.medium().sigma_t;
+    }
+    Rgb free = beta, bound = beta;
+    for (int c = 0; c < 3; ++c) {
+        if (sigma_t[c] > 0 && sigma_t[c] * (end - t) < kOpaque)
+            return std::nullopt;
+        (sigma_t[c] > 0 ? free : bound)[c] = 0;
+    }
+    if (is_zero(free))
+        return std::nullopt;
+    const float p = mean(free) / mean(beta);
+    const bool escapes = rng.next() < p;
+    beta = escapes ? free / p : bound / (1 - p);
+    return escapes ? std::optional(end) : std::nullopt;
+}
+
+/// Where a path met media of these coefficients. beta: its throughput after, `before` its mean there.
+/// `analog`: absorption ends paths instead of weighing them.
+inline void meet(Flight& flight, float t, const Coefficients& c, bool analog, float before, Rgb& beta,
+                 Rng& rng) {
+    flight.t = t;
+    flight.event = Flight::Event::scattered;
+    flight.albedo = c.sigma_s / max(c.sigma_t, Rgb(1e-30f));
+    if (analog) {
+        const float survive = mean(beta) / before;
+        if (rng.next() >= survive)
+            flight.event = Flight::Event::absorbed;
+        if (survive > 0)
+            beta /= survive;
+    }
+    if (is_zero(beta))
+        flight.event = Flight::Event::absorbed;
+}
+
+/// The path ends at t; for the loop: it does not go on.
+inline bool absorb(Flight& flight, float t) {
+    flight.t = t;
+    flight.event = Flight::Event::absorbed;
+    return false;
+}
+
+/// The loop of all methods. `event(t, majorant)` decides what happens at a candidate: it updates beta and the
+/// flight, and returns whether the path goes on.
+template <class Event>
+Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, Rgb& beta, Rng& rng,
+           Counters& counters, Event&& event) {
+    const auto gather = [&](float t0, float t1) {
+        const Rgb emitted = emission_between(scratch, t0, t1, rng, counters);
+        if (!is_zero(emitted))
+            flight.emitted += beta * emitted;
+    };
+    for_each_candidate(scratch.tracks, segment.ray.t_min, rng, gather,
+                       [&](float t, float majorant, const auto&) {
+                           if (const auto end = escape_deep_media(scratch, t, beta, rng)) {
+                               gather(t, *end);
+                               return false;
+                           }
+                           return event(t, majorant);
+                       });
+    if (!scratch.absorbers.empty())
+        beta *= scratch.absorbed_to(flight.event == Flight::Event::passed ? segment.ray.t_max : flight.t);
+    if (is_zero(beta))
+        flight.event = Flight::Event::absorbed;
+    return flight;
+}
+
+}  // namespace detail
+
+}  // namespace nephele
