@@ -62,15 +62,14 @@ std::shared_ptr<const MediumBounds> bounds_of_program(const ProgramMedium& mediu
         return Bounds{majorant, range.sigma_t_min};
     };
     const CellBounds cells = CellBounds::of_function(frame.box, Bounds{0, 0}, bounds);
-    const float voxel = std::cbrt(std::fabs(frame.world_from_index.determinant()));
-    auto out = std::make_shared<MediumBounds>(MediumBounds{
-        Majorants(cells, options.accelerator, voxel, options.minorants), frame.index_from_world});
-    if (!(out->majorants.global_majorant() < kInfinity)) {
+    if (!(cells.global().max < kInfinity)) {
         throw std::invalid_argument(
             "its volume shader has no upper bound of its density; add a Clamp node, or a Map Range that "
             "clamps");
     }
-    return out;
+    const float voxel = std::cbrt(std::fabs(frame.world_from_index.determinant()));
+    return std::make_shared<MediumBounds>(MediumBounds{
+        Majorants(cells, options.accelerator, voxel, options.minorants), frame.index_from_world});
 }
 
 }  // namespace nephele
