@@ -57,7 +57,8 @@ def compare(work, repeats):
     with tempfile.TemporaryDirectory() as folder:
         scene = ours.export(work.path, folder, work.resolution)
         cold = ours.render(scene, (1000,), samples=16 * work.samples, **shared)
-        reference, build = cold[0]["Combined"][0], cold[1][0]["build_seconds"]  # later ones find grids in memory
+        reference = cold[0]["Combined"][0]
+        build = cold[1][0]["build_seconds"]  # later ones find the grids in memory
         for seed in range(1, repeats + 1):
             job = cycles.Job(
                 str(work.path),
