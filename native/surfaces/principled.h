@@ -6,8 +6,8 @@
 #pragma once
 
 #include "base/surface.h"
-#include "surfaces/lobes.h"
 #include "shading/program.h"
+#include "surfaces/lobes.h"
 
 namespace nephele {
 
