@@ -77,9 +77,10 @@ void Scene::decide_features() {
     for (const Region& r : regions_)
         f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
-        f.grids |= (m.grid || m.program);
-        f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
-        f.volume_emission |= !is_zero(m.emission);
+        f.grids |= m.grid != nullptr;
+        f.programs |= m.program != nullptr;
+        f.chromatic |= m.program || m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
+        f.volume_emission |= m.emits();
     }
     f.media = !media_.empty();
     f.overlap = media_.size() > 1;
@@ -113,6 +114,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"grids", &SceneFeatures::grids},
     {"mesh media", &SceneFeatures::mesh_media},
     {"overlap", &SceneFeatures::overlap},
+    {"volume programs", &SceneFeatures::programs},
     {"chromatic", &SceneFeatures::chromatic},
     {"volume emission", &SceneFeatures::volume_emission},
     {"surfaces", &SceneFeatures::surfaces},
