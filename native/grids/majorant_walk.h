@@ -60,33 +60,6 @@ class BoxWalk {
     Place place_ = Place::before;
 };
 
-/// The plain twin of a walk: one piece, bounded by the field's largest value.
-class GlobalMajorantWalk {
-  public:
-    template <class Source>
-    GlobalMajorantWalk(const Source& source, Vec3f o_index, Vec3f d_index, float t_min, float t_max)
-        : o_(o_index),
-          d_(d_index),
-          t_max_(t_max),
-          majorant_(source.global_majorant()),
-          minorant_(source.global_minorant()),
-          done_(!(t_min < t_max)) {}
-
-    bool next(MajorantPiece& piece) {
-        if (done_)
-            return false;
-        piece = {t_max_, majorant_};
-        return done_ = true;
-    }
-    float minorant() const { return minorant_; }
-    Vec3f point(float t) const { return o_ + d_ * t; }
-
-  private:
-    Vec3f o_, d_;
-    float t_max_, majorant_, minorant_;
-    bool done_;
-};
-
 template <class Source>
 inline BoxWalk<Source>::BoxWalk(const Source& source, Vec3f o_index, Vec3f d_index, float t_min, float t_max)
     : source_(&source), o_(o_index), d_(d_index), t_(t_min), t_max_(t_max), t_in_(t_min), t_out_(t_max) {
