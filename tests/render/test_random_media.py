@@ -20,7 +20,13 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 from blend_scenes.media.nodes import VolumeNodes  # noqa: E402  the project's root is on the path only now
 
-PHASES = ("HENYEY_GREENSTEIN", "RAYLEIGH", "DRAINE", "FOURNIER_FORAND", "MIE")
+PHASES = {
+    "HENYEY_GREENSTEIN": ("Anisotropy",),
+    "RAYLEIGH": (),
+    "DRAINE": ("Anisotropy", "Alpha"),
+    "FOURNIER_FORAND": ("IOR", "Backscatter"),
+    "MIE": ("Diameter",),
+}
 UNARY = ("SQRT", "INVERSE_SQRT", "ABSOLUTE", "EXPONENT", "SIGN", "ROUND", "FLOOR", "FRACT", "SINE", "COSINE",
          "TANGENT", "ARCSINE", "ARCTANGENT", "SINH", "TANH", "RADIANS")  # fmt: skip
 BINARY = ("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "POWER", "LOGARITHM", "MINIMUM", "MAXIMUM", "LESS_THAN",
@@ -157,7 +163,7 @@ class Wild:
     def shader(self, depth=2):
         n, pick = self.nodes, self.any
         kind = pick.randrange(5 if depth == 0 else 8)
-        phase = {"phase": pick.choice(PHASES)}
+        phase = pick.choice(list(PHASES))
         if kind == 0:
             tints = {name: self.tint() for name in ("Color", "Absorption_Color", "Emission_Color")}
             limits = {"Density": 30.0, "Emission_Strength": 5.0, "Blackbody_Intensity": 1.0}
@@ -166,9 +172,10 @@ class Wild:
             names = {f"{name}_Attribute": grid for name, grid in grids.items()}
             return n.node("VolumePrincipled", Anisotropy=self.number(1), **tints, **amounts, **names)
         if kind == 1:
-            parameters = ("Anisotropy", "IOR", "Backscatter", "Alpha", "Diameter")
-            inputs = {name: self.number(1) for name in parameters}
-            return n.node("VolumeScatter", phase, Color=self.tint(), Density=self.amount(), **inputs)
+            inputs = {name: self.number(1) for name in PHASES[phase]}
+            return n.node(
+                "VolumeScatter", {"phase": phase}, Color=self.tint(), Density=self.amount(), **inputs
+            )
         if kind == 2:
             return n.node("VolumeAbsorption", Color=self.tint(), Density=self.amount())
         if kind == 3:
@@ -176,7 +183,8 @@ class Wild:
         if kind == 4:
             names = ("Scatter", "Absorption", "Emission")
             inputs = {f"{name}_Coefficients": self.tint() for name in names}
-            return n.node("VolumeCoefficients", phase, **inputs)
+            inputs |= {name: self.number(1) for name in PHASES[phase]}
+            return n.node("VolumeCoefficients", {"phase": phase}, **inputs)
         if kind in (5, 6):
             return n.mix(self.number(), self.shader(depth - 1), self.shader(depth - 1))
         return n.add(self.shader(depth - 1), self.shader(depth - 1))
@@ -224,15 +232,14 @@ def test_random_trees_render(seed, bounded, bpy, body, link, export):
     film = replace(scene.film, width=8, height=8)
     small = {"samples": 2, "max_bounces": 4, "threads": 1, "time_limit": 20.0}
     scene = replace(scene, film=film, settings=scene.settings | settings | small)
-    try:
-        renderer = create_renderer(scene)
-    except ValueError as refused:
-        assert not bounded, refused
-        assert NO_BOUND in str(refused) and "'Body'" in str(refused) and "\n" not in str(refused)
+    if not bounded:  # a bound may be too large to render in a lifetime, but there is one or a sentence
+        try:
+            create_renderer(scene)
+        except ValueError as refused:
+            assert NO_BOUND in str(refused) and "'Body'" in str(refused) and "\n" not in str(refused)
         return
+    renderer = create_renderer(scene)
     renderer.start()
     assert renderer.wait(60)
     statistics = renderer.statistics()
-    assert statistics["bound_violations"] == 0
-    if bounded:  # elsewhere light may be infinite
-        assert statistics["nonfinite_samples"] == 0
+    assert (statistics["nonfinite_samples"], statistics["bound_violations"]) == (0, 0)
