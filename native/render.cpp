@@ -139,6 +139,7 @@ void Render::render_tile(int tile, int target) {
     const std::lock_guard lock(mutex_);
     statistics_.rays += ws.counters.rays;
     statistics_.density_lookups += ws.counters.density_lookups;
+    statistics_.bound_violations += ws.counters.bound_violations;
     statistics_.nonfinite_samples += ws.nonfinite_samples;
     statistics_.render_cpu_seconds += thread_cpu_seconds() - cpu;
     if (statistics_.first_tile_seconds == 0)

@@ -28,7 +28,7 @@ struct FilmSource {
 };
 
 struct RenderStatistics {
-    std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0;
+    std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0, bound_violations = 0;
     double render_seconds = 0;      ///< wall clock
     double render_cpu_seconds = 0;  ///< of all render threads
     double first_tile_seconds = 0;  ///< from start to the first finished tile, wall clock

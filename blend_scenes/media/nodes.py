@@ -25,12 +25,16 @@ class VolumeNodes:
         for key, value in dict(properties).items():
             setattr(node, key, value)
         for key, value in (*enumerate(numbered), *inputs.items()):
-            socket = node.inputs[key.replace("_", " ") if isinstance(key, str) else key]
-            if isinstance(value, bpy.types.NodeSocket):
-                self.tree.links.new(value, socket)
-            else:
-                socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+            self.connect(node, key.replace("_", " ") if isinstance(key, str) else key, value)
         return node.outputs[output]
+
+    def connect(self, node, key, value):
+        """Gives an input of a node, by name or number, a constant or a socket."""
+        socket = node.inputs[key]
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        else:
+            socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
 
     def math(self, operation, *values):
         return self.node("Math", {"operation": operation}, values)

@@ -89,6 +89,7 @@ class Renderer {
         out["rays"] = s.rays;
         out["density_lookups"] = s.density_lookups;
         out["nonfinite_samples"] = s.nonfinite_samples;
+        out["bound_violations"] = s.bound_violations;
         out["build_seconds"] = build_seconds_;
         out["render_seconds"] = s.render_seconds;
         out["render_cpu_seconds"] = s.render_cpu_seconds;

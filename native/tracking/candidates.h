@@ -15,6 +15,7 @@ namespace nephele {
 struct Counters {
     std::uint64_t density_lookups = 0;
     std::uint64_t rays = 0;
+    std::uint64_t bound_violations = 0;  ///< lookups above the majorant or below the minorant: 0, or a bug
 };
 
 /// exp(-sigma_t length), also for infinite lengths.
@@ -85,15 +86,17 @@ class MajorantTrack {
             return Rgb(1);
         ++counters.density_lookups;
         if (m.program)
-            return m.program->coefficients(world_point(t)).sigma_t;
-        return Rgb(m.grid->stochastic(m.filter, index_point(t), rng.next3()));
+            return within_bounds(m.program->coefficients(world_point(t)).sigma_t, counters);
+        return within_bounds(Rgb(m.grid->stochastic(m.filter, index_point(t), rng.next3())), counters);
     }
     /// Coefficients and phase function at t of the current piece, like scale().
     MediumPoint point(float t, Rng& rng, Counters& counters) const {
         const Medium& m = medium();
         if (m.program) {
             ++counters.density_lookups;
-            return m.program->coefficients(world_point(t));
+            const MediumPoint point = m.program->coefficients(world_point(t));
+            within_bounds(point.sigma_t, counters);
+            return point;
         }
         const float density = scale(t, rng, counters).x;
         return {m.sigma_s * density, m.sigma_t * density, m.phase};
@@ -109,6 +112,13 @@ class MajorantTrack {
     }
 
   private:
+    /// Returns `scale`, which is counted where it is outside of the piece's bounds.
+    Rgb within_bounds(Rgb scale, Counters& counters) const {
+        constexpr float kRounding = 1e-5f;
+        counters.bound_violations += max_component(scale) > majorant_ * (1 + kRounding) ||
+                                     min_component(scale) < minorant_ * (1 - kRounding);
+        return scale;
+    }
     Vec3f index_point(float t) const {
         return walk_ ? walk_->point(t) : medium().bounds->index_from_world.point(segment_->ray.at(t));
     }

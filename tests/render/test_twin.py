@@ -12,10 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.stats
+from comparison import assert_same, moments
 from nephele import description as d
 from truth import (
-    NO_LIMIT,
     RAY,
     Scene,
     box,
@@ -33,7 +32,6 @@ from truth import (
 GRID = (
     Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
 )  # a rough ball, radius 0.9
-FALSE_ALARM = 1e-4
 SKY = half_world((0.3, 0.5, 1.0), (0.2, 0.15, 0.1))
 SKIES_AND_SUN = half_world((0.2, 0.3, 0.5), 0.05)
 
@@ -151,35 +149,6 @@ def endless_fog():
     scene = Scene(perspective((0, -4, 0.3), (0, 0, 0), 0.4), world_volume=world, lights=(lamp,))
     scene.add_volume(GRID, medium((1, 2, 3), (1, 0.5, 0), 0.2, density_grid="density"))
     return scene.add(sphere(0.3, 2), emission(5.0), (), placed(-0.9, -0.3, 0.2))
-
-
-def moments(scene, seeds, samples, block, **settings):
-    """Returns (means, squared standard errors), each of all blocks and channels, then the same of the
-    whole image."""
-    images = []
-    for seed in range(seeds):
-        image = scene.render(size=24, samples=samples, seed=seed, **NO_LIMIT, **settings)["Combined"]
-        n = 24 // block
-        images.append(image.reshape(n, block, n, block, 3).mean((1, 3)))
-    images = np.array(images)
-    whole = images.mean((1, 2))
-    return tuple((x.mean(0), x.var(0, ddof=1) / seeds) for x in (images, whole))
-
-
-def assert_same(one, other, seeds):
-    for (mean, error2), (mean2, error22), what in zip(one, other, ("blocks", "image"), strict=True):
-        sum2 = error2 + error22
-        t = np.abs(mean - mean2) / np.sqrt(np.maximum(sum2, 1e-30))
-        freedom = (seeds - 1) * sum2**2 / np.maximum(error2**2 + error22**2, 1e-60)  # Welch and Satterthwaite
-        p = np.where(sum2 > 0, 2 * scipy.stats.t.sf(t, np.maximum(freedom, 1)), mean == mean2)
-        limit = 1 - (1 - FALSE_ALARM) ** (1 / p.size)
-        worst = np.unravel_index(p.argmin(), p.shape)
-        assert p.min() > limit, (
-            f"{what} {worst}: {mean[worst]:.5g} against {mean2[worst]:.5g}, "
-            f"t = {t[worst]:.1f}, p = {p.min():.1e}"
-        )
-        if what == "image":  # the comparison must be able to see some percent
-            assert np.all(np.sqrt(sum2) < 0.015 * mean), f"too noisy to tell: {np.sqrt(sum2) / mean}"
 
 
 SCENES = (

@@ -217,7 +217,9 @@ def finished(scene, **also):
     renderer = nephele_native.Renderer(scene)
     renderer.start()
     assert renderer.wait(600), "the render did not finish in 10 minutes"
-    assert renderer.statistics()["nonfinite_samples"] == 0
+    statistics = renderer.statistics()
+    assert statistics["nonfinite_samples"] == 0
+    assert statistics["bound_violations"] == 0
     images = {name: renderer.read_pass(name).astype(np.float64) for name in scene.film.passes}
     if "Combined" in images:
         images["Combined"] = images["Combined"][..., :3]
