@@ -13,9 +13,9 @@ using Box = std::array<Interval1, 3>;
 /// What sampling aims at, as a part of the fractal's range; octaves beyond the first few do not count.
 constexpr double kAim = 0.03;
 constexpr std::size_t kOctavesAimedAt = 4;
-/// Most samples along an axis, and the largest edge of a box that is sampled: a larger one meets the
-/// extremes.
-constexpr int kMostSteps = 32;
+/// Most steps along an axis (32 made the bounds of a mesh of noise 3 % tighter in 30 s instead of 2), and the
+/// largest edge of a box that is sampled: a larger one meets the extremes.
+constexpr int kMostSteps = 8;
 constexpr double kLargestSampled = 4;
 /// Coordinates that perlin does not fold into its period.
 constexpr double kPeriod = 100000;
