@@ -175,23 +175,6 @@ TEST_F(GridCacheTest, ErrorsAreNotKept) {
     EXPECT_EQ(calls, 2);
 }
 
-TEST_F(GridCacheTest, AFileThatNeverRestsIsAnError) {
-    const std::string path = write_value("a.vdb", 1);
-    std::atomic<bool> stop = false;
-    std::thread writer([&] {  // touches the file without pause
-        while (!stop)
-            fs::last_write_time(path, fs::file_time_type::clock::now());
-    });
-    GridCacheScope scope(cache_);
-    std::string error;
-    for (int n = 0; n < 200 && error.empty(); ++n)  // the writer may get no turn for a while
-        error = error_of([&] { scope.grid(path, "density"); });
-    stop = true;
-    writer.join();
-    EXPECT_EQ(error, path + " is being written to while it is read: render once it is complete");
-    EXPECT_EQ(value_of(*scope.grid(path, "density")), 1.0f);
-}
-
 TEST_F(GridCacheTest, EqualRequestsAtOnceBuildOnce) {
     GridCacheScope scope(cache_);
     std::atomic<int> built = 0, inner = 0;
