@@ -42,31 +42,29 @@ void Bsdf::finish(Vec3f wo) {
         lobe(i).probability *= scale;
 }
 
-Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf) const {
+Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const {
     pdf = 0;
-    Rgb f;
+    crosses = false;
+    Rgb reflected, transmitted;
     if (!has_smooth_)
-        return f;
-    // Reflection stays on wo's side of the face, transmission crosses it: a shading normal must not leak
-    // light.
-    const bool reflects = dot(wi, ng_) * dot(wo, ng_) > 0;
+        return reflected;
     for (int i = 0; i < count_; ++i) {
         const Lobe& l = lobe(i);
         const Vec3f local_wi = l.frame.to_local(wi);
-        if ((local_wi.z > 0) != reflects)
-            continue;
         const Vec3f local_wo = l.frame.to_local(wo);
         const LobeValue value =
             std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
-        f += l.weight * value.f;
+        (local_wi.z > 0 ? reflected : transmitted) += l.weight * value.f;
         pdf += l.probability * value.pdf;
     }
-    return f;
+    // Lobes of unlike normals may disagree about a direction near the horizon: the greater share decides.
+    crosses = mean(transmitted) > mean(reflected);
+    return reflected + transmitted;
 }
 
 std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     if (lobe_u < transparent_probability_) {
-        return BsdfSample{-wo, transparency / transparent_probability_, 0, true, 0};
+        return BsdfSample{-wo, transparency / transparent_probability_, 0, true, 0, true};
     }
     float rest = lobe_u - transparent_probability_;
     const Lobe* chosen = nullptr;
@@ -88,18 +86,18 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     if (!drawn)
         return std::nullopt;
     const Vec3f wi = normalize(chosen->frame.to_world(drawn->wi));
-    if ((drawn->wi.z > 0) != (dot(wi, ng_) * dot(wo, ng_) > 0))
-        return std::nullopt;
     const bool specular = std::visit([](const auto& m) { return m.specular(); }, chosen->model);
     if (specular || count_ == 1) {
         const Rgb weight = chosen->weight * drawn->weight / chosen->probability;
-        return BsdfSample{wi, weight, chosen->probability * drawn->pdf, specular, drawn->kind};
+        return BsdfSample{wi,       weight,      chosen->probability * drawn->pdf,
+                          specular, drawn->kind, drawn->wi.z < 0};
     }
     float pdf;
-    const Rgb f = eval(wo, wi, pdf);
+    bool crosses;
+    const Rgb f = eval(wo, wi, pdf, crosses);
     if (!(pdf > 0))
         return std::nullopt;
-    return BsdfSample{wi, f / pdf, pdf, false, drawn->kind};
+    return BsdfSample{wi, f / pdf, pdf, false, drawn->kind, crosses};
 }
 
 Rgb Bsdf::albedo(Vec3f wo) const {
@@ -211,7 +209,7 @@ void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& register
 }  // namespace
 
 Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureContext& context) {
-    Bsdf bsdf(point);
+    Bsdf bsdf;
     if (program) {
         const RegisterFile registers(*program, point, context);
         for (const ClosureRow& row : program->closures)

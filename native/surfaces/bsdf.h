@@ -15,8 +15,6 @@ namespace nephele {
 
 class Bsdf {
   public:
-    explicit Bsdf(const ShadingPoint& point) : ng_(point.ng) {}
-
     Rgb emission;      ///< radiance that leaves along wo
     Rgb transparency;  ///< weight of the straight-through lobe (Transparent BSDF, alpha)
 
@@ -25,8 +23,9 @@ class Bsdf {
 
     /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid
     /// angle; it holds the probability of choosing each smooth lobe among all lobes, specular and
-    /// straight-through ones included.
-    Rgb eval(Vec3f wo, Vec3f wi, float& pdf) const;
+    /// straight-through ones included. crosses: whether light from wi passes through the surface. By the
+    /// shading normals, and not by wi's side of the face: see scene/departure.cpp.
+    Rgb eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const;
 
     /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps
     /// its kind and has not bounced. Returns nothing where the chosen lobe absorbs.
@@ -50,7 +49,6 @@ class Bsdf {
     const Lobe& lobe(int i) const { return reinterpret_cast<const Lobe*>(storage_)[i]; }
     Lobe& lobe(int i) { return reinterpret_cast<Lobe*>(storage_)[i]; }
 
-    Vec3f ng_;
     int count_ = 0;
     bool has_smooth_ = false;
     float transparent_probability_ = 0;

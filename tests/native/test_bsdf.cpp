@@ -90,7 +90,8 @@ TEST(Bsdf, SmoothSamplesFollowTheMixtureDensity) {
                     },
                     [&](Vec3f wi) {
                         float pdf;
-                        bsdf.eval(point.wo, wi, pdf);
+                        bool crosses;
+                        bsdf.eval(point.wo, wi, pdf, crosses);
                         return static_cast<double>(pdf);
                     },
                     40000, 1);
@@ -118,7 +119,9 @@ TEST(Bsdf, WeightIsEvalOverDensity) {
                 if (drawn->specular)
                     continue;
                 float pdf;
-                const Rgb f = bsdf.eval(point.wo, drawn->wi, pdf);
+                bool crosses;
+                const Rgb f = bsdf.eval(point.wo, drawn->wi, pdf, crosses);
+                EXPECT_EQ(crosses, drawn->crosses) << p.name;
                 EXPECT_NEAR(drawn->pdf / pdf, 1, 2e-3) << p.name;
                 for (int c = 0; c < 3; ++c)
                     EXPECT_NEAR(drawn->weight[c], f[c] / pdf, 2e-3 * (1 + drawn->weight[c])) << p.name;
@@ -241,8 +244,10 @@ TEST(Bsdf, PrincipledLimits) {
         PrincipledInputs{.base_color = color, .roughness = 0.5f, .specular_ior_level = 0}.program();
     const Bsdf lambert = make_bsdf(&plain, point, kNoTextures);
     float pdf;
+    bool crosses;
     const Vec3f wi = at_angle(50, 70);
-    const Rgb f = lambert.eval(point.wo, wi, pdf);
+    const Rgb f = lambert.eval(point.wo, wi, pdf, crosses);
+    EXPECT_FALSE(crosses);
     EXPECT_NEAR(f.x, 0.9f * kInvPi * wi.z, 1e-6);
     EXPECT_NEAR(pdf, kInvPi * wi.z, 1e-6);
 
