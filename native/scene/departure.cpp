@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where rays leave surfaces.
 //
-// Whether light is reflected or transmitted is decided by the shading normal (see Bsdf::eval); the ray then
-// starts on that side of the face. Near the horizon of a smooth normal it may point back at the face. Then it
+// The shading normal decides on which side of the face a ray starts, but for dielectrics
+// (Bsdf::leaves_beyond). Near the horizon of a smooth normal the ray may point back at the face. Then it
 // starts from the smooth surface that the normals stand for, lifted off the face as in Hanika 2021, "Hacking
 // the Shadow Terminator" (Ray Tracing Gems II, chapter 4). A ray that meets its own face all the same is
 // scattered there once more. So no direction has to be refused, which would lose light, and none leads
-// through a closed surface.
+// through an opaque surface.
 #include "scene/scene.h"
 
 namespace nephele {

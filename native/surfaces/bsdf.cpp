@@ -45,21 +45,21 @@ void Bsdf::finish(Vec3f wo) {
 Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const {
     pdf = 0;
     crosses = false;
-    Rgb reflected, transmitted;
+    Rgb same_side, beyond;
     if (!has_smooth_)
-        return reflected;
+        return same_side;
     for (int i = 0; i < count_; ++i) {
         const Lobe& l = lobe(i);
         const Vec3f local_wi = l.frame.to_local(wi);
         const Vec3f local_wo = l.frame.to_local(wo);
         const LobeValue value =
             std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
-        (local_wi.z > 0 ? reflected : transmitted) += l.weight * value.f;
+        (leaves_beyond(l, wi, local_wi.z) ? beyond : same_side) += l.weight * value.f;
         pdf += l.probability * value.pdf;
     }
-    // Lobes of unlike normals may disagree about a direction near the horizon: the greater share decides.
-    crosses = mean(transmitted) > mean(reflected);
-    return reflected + transmitted;
+    // Lobes may disagree about a direction near the horizon: the greater share decides.
+    crosses = mean(beyond) > mean(same_side);
+    return same_side + beyond;
 }
 
 std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
@@ -90,7 +90,7 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     if (specular || count_ == 1) {
         const Rgb weight = chosen->weight * drawn->weight / chosen->probability;
         return BsdfSample{wi,       weight,      chosen->probability * drawn->pdf,
-                          specular, drawn->kind, drawn->wi.z < 0};
+                          specular, drawn->kind, leaves_beyond(*chosen, wi, drawn->wi.z)};
     }
     float pdf;
     bool crosses;
@@ -132,6 +132,9 @@ struct Inputs {
     Vec3f normal(int i) const {
         return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point);
     }
+    SeenInterface interface_of(int normal_input, int ior_input) const {
+        return seen_interface(normal(normal_input), eta(ior_input), point.wo);
+    }
     Vec3f bent(int i) const { return bent_normal(normal(i), point.ng, point.wo); }
 };
 
@@ -158,8 +161,7 @@ void add_glossy(Bsdf& bsdf, const Inputs& in) {
 }
 
 void add_glass(Bsdf& bsdf, const Inputs& in) {
-    const Vec3f n = in.bent(glass_input::normal);
-    const float eta = in.eta(glass_input::ior);
+    const auto [n, eta] = in.interface_of(glass_input::normal, glass_input::ior);
     const float roughness = in.unit(glass_input::roughness), mu = dot(n, in.point.wo);
     const Rgb color = in.color(glass_input::color);
     if (is_zero(color))
@@ -169,8 +171,7 @@ void add_glass(Bsdf& bsdf, const Inputs& in) {
 }
 
 void add_refraction(Bsdf& bsdf, const Inputs& in) {
-    const Vec3f n = in.bent(refraction_input::normal);
-    const float eta = in.eta(refraction_input::ior);
+    const auto [n, eta] = in.interface_of(refraction_input::normal, refraction_input::ior);
     const auto distribution =
         in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
     const float roughness = in.unit(refraction_input::roughness), mu = dot(n, in.point.wo);
@@ -209,7 +210,7 @@ void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& register
 }  // namespace
 
 Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureContext& context) {
-    Bsdf bsdf;
+    Bsdf bsdf(point);
     if (program) {
         const RegisterFile registers(*program, point, context);
         for (const ClosureRow& row : program->closures)

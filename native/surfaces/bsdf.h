@@ -15,6 +15,8 @@ namespace nephele {
 
 class Bsdf {
   public:
+    explicit Bsdf(const ShadingPoint& point) : ng_(point.ng) {}
+
     Rgb emission;      ///< radiance that leaves along wo
     Rgb transparency;  ///< weight of the straight-through lobe (Transparent BSDF, alpha)
 
@@ -23,8 +25,8 @@ class Bsdf {
 
     /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid
     /// angle; it holds the probability of choosing each smooth lobe among all lobes, specular and
-    /// straight-through ones included. crosses: whether light from wi passes through the surface. By the
-    /// shading normals, and not by wi's side of the face: see scene/departure.cpp.
+    /// straight-through ones included. crosses: whether wi leaves on the other side of the surface than wo;
+    /// see leaves_beyond.
     Rgb eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const;
 
     /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps
@@ -49,6 +51,15 @@ class Bsdf {
     const Lobe& lobe(int i) const { return reinterpret_cast<const Lobe*>(storage_)[i]; }
     Lobe& lobe(int i) { return reinterpret_cast<Lobe*>(storage_)[i]; }
 
+    /// Whether a ray along wi leaves this lobe on the other side of the surface than wo. Light that is
+    /// reflected or diffused stays on the side that the lobe's normal says, wherever wi points; its ray may
+    /// then meet the face once more (scene/departure.cpp). An interface between dielectrics lets light
+    /// through either way, so there wi's side of the face decides and nothing meets the face twice.
+    bool leaves_beyond(const Lobe& lobe, Vec3f wi, float local_z) const {
+        return std::holds_alternative<Dielectric>(lobe.model) ? dot(wi, ng_) < 0 : local_z < 0;
+    }
+
+    Vec3f ng_;  // on wo's side
     int count_ = 0;
     bool has_smooth_ = false;
     float transparent_probability_ = 0;
