@@ -190,7 +190,7 @@ def engine_class(bpy):
 
             try:
                 check_volumes(bpy, depsgraph)
-                self.outcome["result"] = export_scene(depsgraph)
+                self.outcome["result"] = export_scene(depsgraph, engine=self)
             except ExportError as error:
                 self.outcome["result"] = InputError(str(error))
             except BaseException as error:  # noqa: BLE001 - handed to the caller: Blender would print it and go on

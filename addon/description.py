@@ -90,7 +90,10 @@ class Mesh:
     """A triangle mesh in object space. positions (N, 3) float32; triangles (T, 3) int32; corner_normals (T,
     3, 3) float32 or None (flat); uvs: tuple of (T, 3, 2) float32 by number; attributes: tuple of (T, 3, 4)
     float32 by number; material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box
-    of generated coordinates."""
+    of generated coordinates.
+
+    motion, motion_normals: positions (S, N, 3) and, where there are corner normals, corner normals (S, T, 3,
+    3) at S >= 2 equally spaced times of the shutter; None where it keeps its shape."""
 
     name: str
     positions: Array
@@ -101,6 +104,8 @@ class Mesh:
     material_index: Array | None = None
     generated_min: tuple = (-1.0, -1.0, -1.0)
     generated_size: tuple = (2.0, 2.0, 2.0)
+    motion: Array | None = None
+    motion_normals: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,8 @@ class Instance:
     """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none:
     a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index:
     object's. dielectric_priority: where objects with one overlap, only that of the highest is there; 0 takes
-    no part."""
+    no part. motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter; None
+    where it stands still."""
 
     name: str
     mesh: int
@@ -119,6 +125,7 @@ class Instance:
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
     dielectric_priority: int = 0
+    motion: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -192,7 +199,8 @@ class Camera:
     """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right,
     bottom, top) of the full frame at distance 1 (perspective) or in metres (orthographic). clip_start,
     clip_end: along the view axis. aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation:
-    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis."""
+    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis. motion: see Instance, of
+    world_from_camera."""
 
     name: str
     kind: str
@@ -205,6 +213,7 @@ class Camera:
     blades_rotation: float = 0.0
     aperture_ratio: float = 1.0
     focus_distance: float = 1.0
+    motion: Array | None = None
 
 
 @dataclass(frozen=True)

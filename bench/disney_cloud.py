@@ -12,6 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from bench import foundation  # noqa: E402  the project's root is on the path only now
@@ -23,22 +25,20 @@ OPTICAL_DEPTH, ALBEDO = 60.0, 0.97
 def make_scene(vdb, path):
     """Writes the .blend: the cloud scaled to 8 m, a sun, a sky, a camera."""
     import bpy
-    from mathutils import Vector
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     bpy.ops.object.volume_import(filepath=str(vdb), files=[{"name": Path(vdb).name}])
     cloud = bpy.context.object
-    cloud.data.grids.load()
-    corners = [Vector(corner) for corner in cloud.bound_box]
-    size = [max(c[a] for c in corners) - min(c[a] for c in corners) for a in range(3)]
-    centre = sum(corners, Vector()) / 8
-    scale = 8 / max(size)
-    cloud.scale = (scale,) * 3
-    cloud.location = -centre * scale
+    cloud.location, cloud.rotation_euler, cloud.scale = (0, 0, 0), (0, 0, 0), (1, 1, 1)
+    corners = np.array(cloud.evaluated_get(bpy.context.evaluated_depsgraph_get()).bound_box)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    scale = 8 / (high - low).max()
+    x, y, z = (low + high) / 2 * scale
+    cloud.scale, cloud.rotation_euler = (scale,) * 3, (np.pi / 2, 0, 0)  # the file has y up
+    cloud.location = (-x, z, -y)
     cloud.data.render.space = "WORLD"
     material = bpy.data.materials.new("Cloud")
-    material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     volume, output = tree.nodes.new("ShaderNodeVolumePrincipled"), tree.nodes.new("ShaderNodeOutputMaterial")
@@ -47,15 +47,14 @@ def make_scene(vdb, path):
     tree.links.new(volume.outputs[0], output.inputs["Volume"])
     cloud.data.materials.append(material)
     world = bpy.data.worlds.new("Sky")
-    world.use_nodes = True
     world.node_tree.nodes["Background"].inputs[0].default_value = (0.2, 0.35, 0.7, 1)
     scene.world = world
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy, sun.data.angle = 5.0, 0.01
     sun.rotation_euler = (0.8, 0.2, 0.6)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.location = (0, -16, 2)
-    camera.rotation_euler = (1.45, 0, 0)
+    camera.location = (0, -12, 0)
+    camera.rotation_euler = (1.5707963, 0, 0)
     for item in (sun, camera):
         scene.collection.objects.link(item)
     scene.camera = camera

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Do coherent rays in packets pay? Times Embree's single rays against packets of 8 and 16 on what could be put
-// into packets: camera rays of 4 x 4 pixel tiles, and their shadow rays to one small lamp. One thread, one
-// mesh of a rough ball, as Markdown.
+// Do coherent rays in packets pay? Times Embree's single rays against packets of 8 and 16 on what could be
+// put into packets: camera rays of 4 x 4 pixel tiles, and their shadow rays to one small lamp. One thread,
+// one mesh of a rough ball, as Markdown.
 //
 //     packets [RESOLUTION]
 #if NEPHELE_EMBREE_MAJOR >= 4
@@ -62,12 +62,24 @@ RTCScene make_scene(RTCDevice device, unsigned n) {
 }
 
 #if NEPHELE_EMBREE_MAJOR >= 4
-void intersect(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray); }
-void intersect(const int* valid, RTCScene scene, RTCRayHit8& rays) { rtcIntersect8(valid, scene, &rays); }
-void intersect(const int* valid, RTCScene scene, RTCRayHit16& rays) { rtcIntersect16(valid, scene, &rays); }
-void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray); }
-void occluded(const int* valid, RTCScene scene, RTCRay8& rays) { rtcOccluded8(valid, scene, &rays); }
-void occluded(const int* valid, RTCScene scene, RTCRay16& rays) { rtcOccluded16(valid, scene, &rays); }
+void intersect(RTCScene scene, RTCRayHit& ray) {
+    rtcIntersect1(scene, &ray);
+}
+void intersect(const int* valid, RTCScene scene, RTCRayHit8& rays) {
+    rtcIntersect8(valid, scene, &rays);
+}
+void intersect(const int* valid, RTCScene scene, RTCRayHit16& rays) {
+    rtcIntersect16(valid, scene, &rays);
+}
+void occluded(RTCScene scene, RTCRay& ray) {
+    rtcOccluded1(scene, &ray);
+}
+void occluded(const int* valid, RTCScene scene, RTCRay8& rays) {
+    rtcOccluded8(valid, scene, &rays);
+}
+void occluded(const int* valid, RTCScene scene, RTCRay16& rays) {
+    rtcOccluded16(valid, scene, &rays);
+}
 #else
 struct Coherent : RTCIntersectContext {
     Coherent() {
@@ -111,8 +123,10 @@ std::vector<Ray> camera_rays(int resolution) {
     for (int ty = 0; ty < resolution; ty += 4) {
         for (int tx = 0; tx < resolution; tx += 4) {
             for (int k = 0; k < 16; ++k) {
-                const float u = (static_cast<float>(tx + k % 4) + rng.next()) / static_cast<float>(resolution);
-                const float v = (static_cast<float>(ty + k / 4) + rng.next()) / static_cast<float>(resolution);
+                const float u =
+                    (static_cast<float>(tx + k % 4) + rng.next()) / static_cast<float>(resolution);
+                const float v =
+                    (static_cast<float>(ty + k / 4) + rng.next()) / static_cast<float>(resolution);
                 rays.push_back({eye, normalize(Vec3f(u - 0.5f, 1.2f, v - 0.6f)), 0, 1e30f});
             }
         }
@@ -143,7 +157,8 @@ void fill(Packet& p, const Ray* rays) {
     for (int k = 0; k < N; ++k) {
         p.org_x[k] = rays[k].o.x, p.org_y[k] = rays[k].o.y, p.org_z[k] = rays[k].o.z;
         p.dir_x[k] = rays[k].d.x, p.dir_y[k] = rays[k].d.y, p.dir_z[k] = rays[k].d.z;
-        p.tnear[k] = 0, p.tfar[k] = rays[k].t_max, p.time[k] = 0, p.mask[k] = ~0u, p.id[k] = 0, p.flags[k] = 0;
+        p.tnear[k] = 0, p.tfar[k] = rays[k].t_max, p.time[k] = 0, p.mask[k] = ~0u, p.id[k] = 0,
+        p.flags[k] = 0;
     }
 }
 
@@ -182,7 +197,9 @@ double singles(RTCScene scene, const std::vector<Ray>& rays, bool shadow) {
 int main(int argc, char** argv) {
     const int resolution = argc > 1 ? std::atoi(argv[1]) : 1024;
     RTCDevice device = rtcNewDevice("threads=1");
-    std::printf("| rays | triangles | single ns | packets of 8 ns | of 16 ns | best gain |\n|---|---|---|---|---|---|\n");
+    std::printf(
+        "| rays | triangles | single ns | packets of 8 ns | of 16 ns | best gain "
+        "|\n|---|---|---|---|---|---|\n");
     for (const unsigned n : {8u, 100u, 1000u}) {
         RTCScene scene = make_scene(device, n);
         const std::vector<Ray> camera = camera_rays(resolution), shadow = shadow_rays(scene, camera);
@@ -194,8 +211,8 @@ int main(int argc, char** argv) {
                 best[1] = std::min(best[1], packets<RTCRayHit8, 8>(scene, rays, is_shadow));
                 best[2] = std::min(best[2], packets<RTCRayHit16, 16>(scene, rays, is_shadow));
             }
-            std::printf("| %s | %u | %.0f | %.0f | %.0f | %.2f |\n", is_shadow ? "shadow" : "camera", 2 * n * n,
-                        best[0], best[1], best[2], best[0] / std::min(best[1], best[2]));
+            std::printf("| %s | %u | %.0f | %.0f | %.0f | %.2f |\n", is_shadow ? "shadow" : "camera",
+                        2 * n * n, best[0], best[1], best[2], best[0] / std::min(best[1], best[2]));
         }
         rtcReleaseScene(scene);
     }

@@ -75,15 +75,17 @@ def save(folder, name=None):
 
 
 def write_vdb(path, arrays, voxel_size, origin, tolerance=0.0):
-    """Write float arrays {name: (X, Y, Z)} as sparse fog volumes, stored as half floats.
+    """Write float arrays {name: (X, Y, Z) or (X, Y, Z, 3)} as sparse fog volumes, stored as half floats.
 
     `voxel_size` in metres; `origin` (3,) is the centre of voxel (0, 0, 0) in object space. Values within
     `tolerance` of 0 become inactive background.
     """
     grids = []
     for name, array in arrays.items():
-        grid = openvdb.FloatGrid(background=0.0)
-        grid.copyFromArray(np.ascontiguousarray(array, np.float32), tolerance=tolerance)
+        vectors = array.ndim == 4
+        grid = openvdb.Vec3SGrid(background=(0.0,) * 3) if vectors else openvdb.FloatGrid(background=0.0)
+        least = (tolerance,) * 3 if vectors else tolerance
+        grid.copyFromArray(np.ascontiguousarray(array, np.float32), tolerance=least)
         grid.name = name
         grid.gridClass = openvdb.GridClass.FOG_VOLUME
         grid.saveFloatAsHalf = True

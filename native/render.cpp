@@ -161,8 +161,9 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
+    const float time = scene_->features().motion ? sampler.next() : 0;
     const Ray ray = scene_->camera().generate(
-        position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)});
+        position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
     const std::uint64_t lookups = ws.counters.density_lookups;
     PixelSample s = kernel_(*scene_, settings_, request_, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);

@@ -18,7 +18,8 @@ __all__ = ["ExportError", "export_scene"]
 def export_scene(depsgraph, *, engine=None):
     """Returns the description.Scene of an evaluated depsgraph at its frame.
 
-    engine: the RenderEngine that renders it (for its camera override), or None. Raises ExportError, its
+    engine: the RenderEngine that renders it: it knows of an overridden camera and evaluates other moments for
+    motion blur; without one, objects and the camera stand still. Raises ExportError, its
     message naming what is at fault and the remedy. What is left out is named in the result's `warnings`.
     """
     context = Context(depsgraph)
@@ -29,7 +30,7 @@ def export_scene(depsgraph, *, engine=None):
     objects = Objects(context)
     objects.walk()
     world = compile_world(context.scene.world, context)
-    return description.Scene(
+    scene = description.Scene(
         camera=camera,
         film=film,
         settings=settings,
@@ -43,16 +44,13 @@ def export_scene(depsgraph, *, engine=None):
         warnings=tuple(context.warnings),
         shutter=shutter(context.scene.render),
     )
+    if engine is None or scene.shutter[0] == scene.shutter[1]:
+        return scene
+    return objects.tracks.export(engine, scene)
 
 
 def _check_scene(context):
     """Warns about settings of the scene that we do not have."""
-    scene = context.scene
-    if scene.render.use_motion_blur:
-        context.warn(
-            f"scene '{scene.name}': motion blur of objects and the camera is not supported; they stand still "
-            "(volumes with a velocity grid are blurred)"
-        )
     working_space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
     if working_space != "Linear Rec.709":
         context.warn(

@@ -43,9 +43,10 @@ class MeshRecord:
         self._corners = read(mesh.loop_triangles, "loops", 3, np.int32)
         self._polygons = None
         self.positions = read(mesh.attributes["position"].data, "vector", 3)
+        self._corner_count = len(mesh.loops)
         corner_vertices = read(mesh.attributes[".corner_vert"].data, "value", 1, np.int32)
         self.triangles = corner_vertices[self._corners]
-        self.corner_normals = self._normals()
+        self.corner_normals = self._normals(mesh)
         self.material_index = self._face_values("material_index")
 
     @property
@@ -55,13 +56,22 @@ class MeshRecord:
             self._polygons = read(self._mesh.loop_triangles, "polygon_index", 1, np.int32)
         return self._polygons
 
-    def _normals(self):
-        domain = self._mesh.normals_domain
+    def _normals(self, mesh):
+        """Returns (T, 3, 3) corner normals of `mesh`, or None where it is flat."""
+        domain = mesh.normals_domain
         if domain == "FACE":
             return None
         if domain == "POINT":
-            return read(self._mesh.vertex_normals, "vector", 3)[self.triangles]
-        return read(self._mesh.corner_normals, "vector", 3)[self._corners]
+            return read(mesh.vertex_normals, "vector", 3)[self.triangles]
+        return read(mesh.corner_normals, "vector", 3)[self._corners]
+
+    def shape_of(self, mesh):
+        """Returns (positions, corner normals or None) of `mesh`, this one's at another time; None where it
+        has another number of vertices or corners."""
+        if len(mesh.vertices) != len(self.positions) or len(mesh.loops) != self._corner_count:
+            return None
+        normals = self._normals(mesh) if self.corner_normals is not None else None
+        return read(mesh.attributes["position"].data, "vector", 3), normals
 
     def _face_values(self, name):
         """Returns (T,) int32 of an integer attribute on faces, or None where it is absent or 0 everywhere."""

@@ -6,6 +6,7 @@ from .fluids import export_fluid, fluid_domain
 from .hash import random_number
 from .lights import export_light
 from .mesh import MeshRecord
+from .moving import Tracks
 from .nodes_input import ray_bits
 from .space import matrix4
 from .volumes import export_volume
@@ -39,6 +40,7 @@ class Objects:
         self._converted = set()  # objects whose mesh Blender lists by itself
         self._checked = set()  # objects already searched for unsupported features
         self.meshes, self.instances, self.lights, self.volumes = (), [], [], []
+        self.tracks = Tracks(context)
 
     def walk(self):
         """Reads all instances."""
@@ -64,11 +66,14 @@ class Objects:
         visibility = self._visibility(instance)
         source = self._source(instance)
         if item.type == "LIGHT":
+            self.tracks.add("light", len(self.lights), instance)
             self.lights.append(export_light(self._context, instance, visibility))
         elif item.type == "VOLUME":
+            self.tracks.add("volume", len(self.volumes), instance)
             material = self._material(instance, source)
             self._append_volume(export_volume(self._context, instance, source, material, visibility))
         elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
+            self.tracks.add("volume", len(self.volumes), instance)
             material = self._material(instance, source)
             self._append_volume(export_fluid(self._context, instance, domain, material, visibility))
         elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
@@ -103,6 +108,7 @@ class Objects:
             record.require(uvs, attributes)
             materials.append(index)
         item = instance.object
+        self.tracks.add("instance", len(self.instances), instance, record, number)
         self.instances.append(
             description.Instance(
                 name=item.name,

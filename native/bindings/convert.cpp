@@ -1,185 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// What stands in the scene: meshes, instances, volumes, lamps, the camera.
 #include "bindings/convert.h"
 
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/string_view.h>
-
-namespace nb = nanobind;
+#include "bindings/attributes.h"
 
 namespace nephele::bindings {
 
 namespace {
-
-template <class T>
-T value(nb::handle object, const char* attribute) {
-    return nb::cast<T>(object.attr(attribute));
-}
-
-std::string text(nb::handle object, const char* attribute) {
-    return value<std::string>(object, attribute);
-}
-
-Rgb rgb(nb::handle object, const char* attribute) {
-    const nb::object v = object.attr(attribute);
-    return {nb::cast<float>(v[0]), nb::cast<float>(v[1]), nb::cast<float>(v[2])};
-}
-
-[[noreturn]] void bad_array(const char* what, const char* wanted) {
-    throw std::invalid_argument(std::string(what) + " must be a C-contiguous numpy array of " + wanted);
-}
-
-/// A numpy array as a buffer that keeps it alive. Its memory is not copied; releasing it takes the GIL.
-template <class T>
-Buffer<T> buffer(nb::handle array, const char* what, const char* wanted) {
-    if (array.is_none())
-        return {};
-    nb::ndarray<const T, nb::c_contig, nb::device::cpu> view;
-    if (!nb::try_cast(array, view, false))
-        bad_array(what, wanted);
-    auto* held = new nb::object(nb::borrow(array));
-    const std::shared_ptr<const void> owner(held, [](nb::object* o) {
-        const nb::gil_scoped_acquire gil;
-        delete o;
-    });
-    return Buffer<T>(view.data(), view.size(), owner);
-}
-Buffer<float> floats(nb::handle object, const char* attribute) {
-    return buffer<float>(object.attr(attribute), attribute, "float32");
-}
-Buffer<std::int32_t> integers(nb::handle object, const char* attribute) {
-    return buffer<std::int32_t>(object.attr(attribute), attribute, "int32");
-}
-
-void matrix(nb::handle object, const char* attribute, double (&out)[16]) {
-    nb::ndarray<const double, nb::shape<4, 4>, nb::c_contig, nb::device::cpu> view;  // small: a copy will do
-    if (!nb::try_cast(object.attr(attribute), view, true))
-        bad_array(attribute, "4 x 4 float64");
-    std::copy(view.data(), view.data() + 16, out);
-}
-/// A matrix world_from_...: `origin` becomes the origin of the world.
-void placement(nb::handle object, const char* attribute, const std::array<double, 3>& origin,
-               double (&out)[16]) {
-    matrix(object, attribute, out);
-    for (std::size_t a = 0; a < 3; ++a)
-        out[4 * a + 3] -= origin[a];
-}
-
-template <class Enum>
-Enum choice(nb::handle object, const char* attribute,
-            std::initializer_list<std::pair<std::string_view, Enum>> items) {
-    const std::string given = text(object, attribute);
-    for (const auto& [name, item] : items) {
-        if (name == given)
-            return item;
-    }
-    throw std::invalid_argument(std::string(attribute) + ": '" + given + "' is not known");
-}
-
-/// Applies `convert` to each element, naming the one at fault.
-template <class T, class F>
-std::vector<T> list(nb::handle object, const char* attribute, F&& convert) {
-    std::vector<T> out;
-    for (nb::handle item : nb::borrow<nb::object>(object.attr(attribute))) {
-        try {
-            out.push_back(convert(item));
-        } catch (const std::exception& e) {
-            const std::string name = nb::hasattr(item, "name") ? " '" + text(item, "name") + "'" : "";
-            throw std::invalid_argument(std::string(attribute) + name + ": " + e.what());
-        }
-    }
-    return out;
-}
-
-ClosureRow closure_row(nb::handle c) {
-    const std::string kind = text(c, "kind");
-    const auto* end = kClosureNames + kClosureKindCount;
-    const auto* found = std::find(kClosureNames, end, kind);
-    if (found == end)
-        throw std::invalid_argument("closure '" + kind + "' is not known");
-    ClosureRow row;
-    row.kind = static_cast<ClosureKind>(found - kClosureNames);
-    row.weight = value<std::int16_t>(c, "weight");
-    row.mode = value<std::int16_t>(c, "mode");
-    const nb::object inputs = c.attr("inputs");
-    if (nb::len(inputs) != static_cast<std::size_t>(kClosureInputCounts[found - kClosureNames])) {
-        throw std::invalid_argument("closure '" + kind + "' has the wrong number of inputs");
-    }
-    std::size_t i = 0;
-    for (nb::handle input : inputs)
-        row.inputs[i++] = nb::cast<std::int16_t>(input);
-    return row;
-}
-
-std::optional<Program> program(nb::handle p) {
-    if (p.is_none())
-        return std::nullopt;
-    Program out;
-    const Buffer<float> registers = floats(p, "registers");
-    for (std::size_t i = 0; i + 2 < registers.size(); i += 3) {
-        out.registers.emplace_back(registers[i], registers[i + 1], registers[i + 2]);
-    }
-    const Buffer<std::int32_t> code = integers(p, "code");
-    if (code.size() % 8 != 0)
-        throw std::invalid_argument("a program's code must have 8 columns");
-    for (std::size_t i = 0; i < code.size(); i += 8) {
-        out.code.push_back({code[i], code[i + 1], code[i + 2], code[i + 3], code[i + 4], code[i + 5],
-                            code[i + 6], code[i + 7]});
-    }
-    const Buffer<float> parameters = floats(p, "parameters");
-    out.parameters.assign(parameters.begin(), parameters.end());
-    out.closures = list<ClosureRow>(p, "closures", closure_row);
-    return out;
-}
-
-PhaseFunction phase_function(nb::handle p) {
-    const std::string kind = text(p, "kind");
-    const auto* end = kPhaseKindNames + kPhaseKindCount;
-    const auto* found = std::find(kPhaseKindNames, end, kind);
-    if (found == end)
-        throw std::invalid_argument("phase function '" + kind + "' is not known");
-    const float a = value<float>(p, "a"), b = value<float>(p, "b");
-    if (!std::isfinite(a) || !std::isfinite(b))
-        throw std::invalid_argument("a parameter of phase function '" + kind + "' is not finite");
-    return make_phase(static_cast<PhaseKind>(found - kPhaseKindNames), a, b);
-}
-
-VolumeClosure volume_closure(nb::handle c) {
-    const auto grid = [&](const char* attribute) {
-        const nb::object name = c.attr(attribute);
-        return name.is_none() ? std::string() : nb::cast<std::string>(name);
-    };
-    VolumeClosure out{rgb(c, "sigma_s"),          rgb(c, "sigma_a"),
-                      rgb(c, "emission"),         phase_function(c.attr("phase")),
-                      grid("density_grid"),       grid("emission_grid"),
-                      program(c.attr("program")), {}};
-    for (nb::handle name : nb::borrow<nb::object>(c.attr("grids")))
-        out.grids.push_back(nb::cast<std::string>(name));
-    return out;
-}
-
-/// The closures of a volume; one whose sigma and emission are scaled differently becomes two.
-std::vector<VolumeClosure> volume_closures(nb::handle object) {
-    std::vector<VolumeClosure> out;
-    for (VolumeClosure& c : list<VolumeClosure>(object, "volume", volume_closure)) {
-        if (c.program) {
-            out.push_back(std::move(c));
-            continue;
-        }
-        const bool emits = !is_zero(c.emission), extinguishes = !is_zero(c.sigma_s) || !is_zero(c.sigma_a);
-        if (emits && extinguishes && !(c.density_grid.empty() && c.emission_grid.empty())) {
-            out.push_back({{}, {}, c.emission, c.phase, {}, c.emission_grid, {}, {}});
-            c.emission = {};
-        }
-        if (is_zero(c.emission)) {
-            c.emission_grid.clear();
-        } else {
-            c.density_grid.clear();
-        }
-        out.push_back(std::move(c));
-    }
-    return out;
-}
 
 Mesh mesh(nb::handle m) {
     Mesh out;
@@ -187,6 +14,10 @@ Mesh mesh(nb::handle m) {
     out.positions = floats(m, "positions");
     out.triangles = integers(m, "triangles");
     out.corner_normals = floats(m, "corner_normals");
+    out.motion_positions = floats(m, "motion");
+    out.motion_normals = floats(m, "motion_normals");
+    if (!out.positions.empty())
+        out.motion_steps = out.motion_positions.size() / out.positions.size();
     const auto arrays = [&](const char* attribute) {
         return list<Buffer<float>>(m, attribute,
                                    [&](nb::handle a) { return buffer<float>(a, attribute, "float32"); });
@@ -216,6 +47,8 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     placement(i, "world_from_object", origin, m);
     out.world_from_object = transform_of(m);
     out.object_from_world = inverse_of(m);
+    if (const auto motion = motion_matrices(i, origin); !motion.empty())
+        out.motion = Motion(motion);
     for (nb::handle material : nb::borrow<nb::object>(i.attr("materials"))) {
         const auto number = nb::cast<std::int32_t>(material);
         if (number < -1 || number >= static_cast<std::int32_t>(material_count)) {
@@ -345,9 +178,10 @@ SceneSource scene_source_of(nb::handle scene) {
     SceneSource out;
     out.camera = camera(scene.attr("camera"));
     out.origin = move_origin(out.camera);
+    out.camera.motion = motion_matrices(scene.attr("camera"), out.origin);
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
-        return Material{text(m, "name"), program(m.attr("surface")), volume_closures(m)};
+        return Material{text(m, "name"), program_of(m.attr("surface")), volume_closures_of(m)};
     });
     out.instances = list<Instance>(scene, "instances", [&](nb::handle i) {
         return instance(i, out.meshes.size(), out.materials.size(), out.origin);
@@ -357,59 +191,12 @@ SceneSource scene_source_of(nb::handle scene) {
     out.images = list<Image>(scene, "images", image);
     out.lamps = list<LampDescription>(scene, "lights", [&](nb::handle l) { return lamp(l, out.origin); });
     const nb::object world = scene.attr("world");
-    out.world.background = program(world.attr("background"));
-    out.world.volume = volume_closures(world);
+    out.world.background = program_of(world.attr("background"));
+    out.world.volume = volume_closures_of(world);
     out.world.visibility = value<std::uint32_t>(world, "visibility");
     const nb::object shutter = scene.attr("shutter");
     out.shutter_open = nb::cast<float>(shutter[0]);
     out.shutter_close = nb::cast<float>(shutter[1]);
-    return out;
-}
-
-PassId pass_of(std::string_view name) {
-    for (int p = 0; p < kPassCount; ++p) {
-        if (name == kPasses[p].name || name == kPasses[p].identifier)
-            return static_cast<PassId>(p);
-    }
-    throw std::invalid_argument("no pass is called '" + std::string(name) + "'");
-}
-
-FilmSource film_source_of(nb::handle film) {
-    using Falloff = FilmSource::MistFalloff;
-    FilmSource out;
-    out.width = value<int>(film, "width");
-    out.height = value<int>(film, "height");
-    out.x1 = out.width;
-    out.y1 = out.height;
-    if (const nb::object crop = film.attr("crop"); !crop.is_none()) {
-        out.x0 = nb::cast<int>(crop[0]);
-        out.y0 = nb::cast<int>(crop[1]);
-        out.x1 = nb::cast<int>(crop[2]);
-        out.y1 = nb::cast<int>(crop[3]);
-    }
-    out.transparent = value<bool>(film, "transparent");
-    for (nb::handle pass : nb::borrow<nb::object>(film.attr("passes")))
-        out.passes.push_back(pass_of(nb::cast<std::string>(pass)));
-    const nb::object mist = film.attr("mist");
-    out.mist_start = nb::cast<float>(mist[0]);
-    out.mist_depth = nb::cast<float>(mist[1]);
-    const auto falloff = nb::cast<std::string>(mist[2]);
-    out.mist_falloff = falloff == "linear"      ? Falloff::linear
-                       : falloff == "quadratic" ? Falloff::quadratic
-                                                : Falloff::inverse_quadratic;
-    return out;
-}
-
-Settings settings_of(nb::handle settings) {
-    Settings out;
-    for (auto [key, item] : nb::cast<nb::dict>(settings)) {
-        const auto name = nb::cast<std::string>(key);
-        if (nb::isinstance<nb::str>(item)) {
-            set_field(out, name, std::string_view(nb::cast<std::string>(item)));
-        } else {
-            set_field(out, name, nb::cast<double>(nb::float_(nb::borrow(item))));
-        }
-    }
     return out;
 }
 

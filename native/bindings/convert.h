@@ -11,6 +11,10 @@
 
 namespace nephele::bindings {
 
+/// None: nothing.
+std::optional<Program> program_of(nanobind::handle program);
+/// The closures of attribute `volume`; one whose sigma and emission are scaled differently becomes two.
+std::vector<VolumeClosure> volume_closures_of(nanobind::handle object);
 SceneSource scene_source_of(nanobind::handle scene);
 FilmSource film_source_of(nanobind::handle film);
 /// settings: dict name -> value, as parameters.checked() returns it.

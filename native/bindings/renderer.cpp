@@ -43,7 +43,7 @@ class Renderer {
         FilmSource film = film_source_of(description.attr("film"));
         const nb::gil_scoped_release release;
         const auto begin = std::chrono::steady_clock::now();
-        scene_ = std::make_shared<const Scene>(std::move(source));
+        scene_ = std::make_shared<const Scene>(std::move(source), settings_);
         render_ = std::make_unique<Render>(scene_, settings_, std::move(film));
         build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
@@ -140,7 +140,7 @@ void bind_renderer(nb::module_& m) {
     m.def(
         "scene_features",
         [](nb::handle description) {
-            const Scene scene(scene_source_of(description));
+            const Scene scene(scene_source_of(description), settings_of(description.attr("settings")));
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
             out["left_out"] = scene.features().list(false);

@@ -32,14 +32,14 @@ Bounds with_room(Bounds b, Filter filter) {
     return b;
 }
 
-std::vector<BrickExtremes> extremes_of_bricks(const BrickGrid& grid, Filter filter) {
-    std::vector<BrickExtremes> extremes(grid.brick_count());
+template <class Extremes>
+std::vector<Extremes> extremes_of_bricks(const BrickGrid& grid) {
+    std::vector<Extremes> extremes(grid.brick_count());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, extremes.size(), 64), [&](const auto& range) {
         float voxels[BrickGrid::kBrickVoxels];
         for (std::size_t b = range.begin(); b != range.end(); ++b) {
             grid.read_brick(static_cast<std::int32_t>(b), voxels);
-            extremes[b] = filter == Filter::tricubic ? extremes_of_brick<1, 2>(voxels)
-                                                     : extremes_of_brick<0, 1>(voxels);
+            extremes[b] = Extremes(voxels);
         }
     });
     return extremes;
@@ -66,18 +66,20 @@ bool is_constant_block(const BrickGrid& grid, const std::array<int, 3>& corner, 
 }
 
 /// Bounds of the cell whose first voxel is `corner`, from the bricks in it and around it.
-Bounds bounds_of_cell(const BrickGrid& grid, const std::vector<BrickExtremes>& extremes,
-                      const std::array<int, 3>& corner, Reach reach) {
+template <class Extremes>
+Bounds bounds_of_cell(const BrickGrid& grid, const std::vector<Extremes>& extremes,
+                      const std::array<int, 3>& corner) {
+    constexpr int kParts = static_cast<int>(Extremes::kParts), kBefore = Extremes::kBefore;
     Bounds bounds;
-    const int first = reach.below > 0 ? 0 : 1;
-    for (int x = first; x < 3; ++x) {
-        for (int y = first; y < 3; ++y) {
-            for (int z = first; z < 3; ++z) {
+    std::size_t part = 0;
+    for (int x = 0; x < kParts; ++x) {
+        for (int y = 0; y < kParts; ++y) {
+            for (int z = 0; z < kParts; ++z, ++part) {
                 const BrickGrid::Cell c =
-                    grid.cell_at(corner[0] + 8 * (x - 1), corner[1] + 8 * (y - 1), corner[2] + 8 * (z - 1));
+                    grid.cell_at(corner[0] + 8 * (x - kBefore), corner[1] + 8 * (y - kBefore),
+                                 corner[2] + 8 * (z - kBefore));
                 bounds.include(c.brick < 0 ? Bounds{c.constant, c.constant}
-                                           : extremes[static_cast<std::size_t>(c.brick)]
-                                                     [static_cast<std::size_t>(9 * x + 3 * y + z)]);
+                                           : extremes[static_cast<std::size_t>(c.brick)].parts[part]);
             }
         }
     }
@@ -104,12 +106,23 @@ CellBounds CellBounds::of_grid(const BrickGrid& grid, Filter filter) {
         out.support_max_[i] = static_cast<float>(last[a] + 1) - half;
     }
     out.make_table(first, last);
-    const std::vector<BrickExtremes> extremes = extremes_of_bricks(grid, filter);
-    tbb::parallel_for(std::size_t{0}, out.blocks_.size(), [&](std::size_t b) {
-        const std::array<int, 3> corner = out.corner_of(b);
+    if (filter == Filter::tricubic) {
+        out.fill_from<BrickExtremes<1, 2>>(grid, filter);
+    } else {
+        out.fill_from<BrickExtremes<0, 1>>(grid, filter);
+    }
+    out.finish();
+    return out;
+}
+
+template <class Extremes>
+void CellBounds::fill_from(const BrickGrid& grid, Filter filter) {
+    const std::vector<Extremes> extremes = extremes_of_bricks<Extremes>(grid);
+    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
+        const std::array<int, 3> corner = corner_of(b);
         float value = 0;
-        if (is_constant_block(grid, corner, reach, value)) {
-            out.blocks_[b].bounds = {value, value};
+        if (is_constant_block(grid, corner, reach_of(filter), value)) {
+            blocks_[b].bounds = {value, value};
             return;
         }
         auto units = std::make_unique_for_overwrite<Bounds[]>(kUnits);
@@ -117,14 +130,11 @@ CellBounds CellBounds::of_grid(const BrickGrid& grid, Filter filter) {
             const std::array<int, 3> cell = cell_of_unit(i);
             units[i] = with_room(
                 bounds_of_cell(grid, extremes,
-                               {corner[0] + 8 * cell[0], corner[1] + 8 * cell[1], corner[2] + 8 * cell[2]},
-                               reach),
+                               {corner[0] + 8 * cell[0], corner[1] + 8 * cell[1], corner[2] + 8 * cell[2]}),
                 filter);
         }
-        finish_block(out.blocks_[b], std::move(units));
+        finish_block(blocks_[b], std::move(units));
     });
-    out.finish();
-    return out;
 }
 
 CellBounds CellBounds::of_function(const IndexBox& box, Bounds background, const Function& function) {

@@ -122,6 +122,8 @@ class CellBounds {
                        static_cast<std::size_t>(bz)];
     }
     void make_table(const std::array<int, 3>& first, const std::array<int, 3>& last);
+    template <class Extremes>
+    void fill_from(const BrickGrid& grid, Filter filter);
     /// First point of a block.
     std::array<int, 3> corner_of(std::size_t block) const;
     static void finish_block(Block& block, std::unique_ptr<Bounds[]> units);

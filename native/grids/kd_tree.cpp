@@ -7,12 +7,12 @@
 //     V * M * sigma_scale * kCandidateCost            (candidates: lookups, random numbers)
 //     + A / 4 * (kStepCost + d * kNodeCost)           (steps of the walk, each with a descent from the root)
 // With minorants M is the majorant less the minorant. For cubes and kNodeCost = 0 this is the cost by which
-// cells of majorant grids merge. Each node takes the split whose children would cost least as leaves, and
-// among equals the one nearest to its middle; once its subtree is complete, the node becomes a leaf again if
-// that costs no more. Where not even children as tight as single cells would pay for one more node on the
-// way, nothing is tried.
+// cells of majorant grids merge. Each node takes the split whose children are expected to cost least, as
+// leaves or evenly divided, and among equals the one nearest to its middle; once its subtree is complete, the
+// node becomes a leaf again if that costs no more. Where not even children as tight as single cells would pay
+// for one more node on the way, nothing is tried.
 //
-// Bounds come from that level of CellBounds of which a node spans at most 32 units along each axis: large
+// Bounds come from that level of CellBounds of which a node holds no more than kMostUnits units: large
 // trees are never looked at cell by cell but at their ends, and uniform or empty space ends a branch.
 #include "grids/kd_tree.h"
 
@@ -26,7 +26,7 @@ namespace {
 
 // In units of one candidate, as in majorant_grid.cpp; a level of the descent takes about 5 ns.
 constexpr float kCandidateCost = 1.0f, kStepCost = 0.5f, kNodeCost = 0.08f;
-constexpr int kMostUnits = 32;
+constexpr int kMostUnits = 1 << 16, kMostSlabs = 128;
 constexpr int kSpareDepth = 2;  // room for trees that are not balanced
 
 /// Cells first <= c < end.
@@ -51,8 +51,8 @@ struct Box {
 struct Profile {
     int level = 0;
     std::array<int, 3> first{}, count{};  // in units
-    std::array<std::array<Bounds, kMostUnits>, 3> slabs;
-    std::array<std::array<float, kMostUnits>, 3> rates{};  // of each slab, summed over its units
+    std::array<std::array<Bounds, kMostSlabs>, 3> slabs;
+    std::array<std::array<float, kMostSlabs>, 3> rates{};  // of each slab, summed over its units
     Bounds bounds;
     float rate = 0;  // summed over all units
 };
@@ -89,13 +89,19 @@ class KdTreeBuilder {
         return box.volume() * rate(b) +
                box.surface() * 0.25f * (kStepCost + static_cast<float>(depth) * kNodeCost);
     }
-    /// The cost of a box that is divided evenly, down to the units of a level.
-    float divided_cost(const Box& box, float sum_of_rates, int level, int depth) const {
+    /// What a child is expected to cost: as a leaf, or divided evenly down to the units of a level, as far as
+    /// the depth that is left allows.
+    float expected_cost(const Box& box, const Bounds& b, float sum_of_rates, int level, int depth) const {
         const float edge = static_cast<float>(CellBounds::kCellSize << level);
         const float units = std::max(box.volume() / (edge * edge * edge), 1.0f);
+        const int halvings = box.halvings();
         const float unit_depth = static_cast<float>(depth) + std::log2(units);
-        return std::max(sum_of_rates, 0.0f) * edge * edge * edge +
-               units * 1.5f * edge * edge * (kStepCost + unit_depth * kNodeCost);
+        const float divided = std::max(sum_of_rates, 0.0f) * edge * edge * edge +
+                              units * 1.5f * edge * edge * (kStepCost + unit_depth * kNodeCost);
+        const float leaf = leaf_cost(box, b, depth);
+        if (leaf <= divided || depth + halvings <= max_depth_)
+            return std::min(leaf, divided);
+        return lerp(leaf, divided, static_cast<float>(max_depth_ - depth) / static_cast<float>(halvings));
     }
     Profile profile_of(const Box& box) const;
     Split best_split(const Box& box, const Profile& profile, int depth) const;
@@ -110,13 +116,14 @@ class KdTreeBuilder {
 
 Profile KdTreeBuilder::profile_of(const Box& box) const {
     Profile out;
-    for (std::size_t a = 0; a < 3; ++a) {
-        while ((box.end[a] - box.first[a] - 1) >> out.level >= kMostUnits)
-            ++out.level;
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-        out.first[a] = box.first[a] >> out.level;
-        out.count[a] = ((box.end[a] - 1) >> out.level) - out.first[a] + 1;
+    for (;; ++out.level) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            out.first[a] = box.first[a] >> out.level;
+            out.count[a] = ((box.end[a] - 1) >> out.level) - out.first[a] + 1;
+        }
+        const auto& n = out.count;
+        if (std::max({n[0], n[1], n[2]}) <= kMostSlabs && n[0] * n[1] * n[2] <= kMostUnits)
+            break;
     }
     for (int x = 0; x < out.count[0]; ++x) {
         Bounds slab;
@@ -149,11 +156,9 @@ Profile KdTreeBuilder::profile_of(const Box& box) const {
 KdTreeBuilder::Split KdTreeBuilder::best_split(const Box& box, const Profile& profile, int depth) const {
     Split best;
     float best_distance = 0;
-    // Single cells must stay within reach, as far as they are.
-    const int most_halvings = std::max(max_depth_ - depth, box.halvings()) - 1;
     for (std::size_t a = 0; a < 3; ++a) {
         const auto n = static_cast<std::size_t>(profile.count[a]);
-        std::array<Bounds, kMostUnits + 2> above{};  // of slab i and those after it
+        std::array<Bounds, kMostSlabs + 1> above{};  // of slab i and those after it
         for (std::size_t i = n; i-- > 0;) {
             above[i] = above[i + 1];
             above[i].include(profile.slabs[a][i]);
@@ -166,13 +171,9 @@ KdTreeBuilder::Split KdTreeBuilder::best_split(const Box& box, const Profile& pr
             const int cell = (profile.first[a] + static_cast<int>(i)) << profile.level;
             Box lower = box, upper = box;
             lower.end[a] = upper.first[a] = cell;
-            if (std::max(lower.halvings(), upper.halvings()) > most_halvings)
-                continue;
             const float cost =
-                std::min(leaf_cost(lower, below, depth + 1),
-                         divided_cost(lower, rate_below, profile.level, depth + 1)) +
-                std::min(leaf_cost(upper, above[i], depth + 1),
-                         divided_cost(upper, profile.rate - rate_below, profile.level, depth + 1));
+                expected_cost(lower, below, rate_below, profile.level, depth + 1) +
+                expected_cost(upper, above[i], profile.rate - rate_below, profile.level, depth + 1);
             const float distance = std::fabs(lower.edge(a) - upper.edge(a));
             if (cost < best.cost || (cost == best.cost && distance < best_distance)) {
                 best = {a, cell, cost};

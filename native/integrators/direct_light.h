@@ -83,22 +83,23 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     return out;
 }
 
-/// The ray from p, already off its surface, to the light. It is aimed anew: with the direction found at the
-/// surface itself, a ray that starts a little off it would end in an emitter close by before it arrives.
-inline Ray shadow_ray(Vec3f p, const DirectSample& direct) {
+/// The ray from p, already off its surface, to the light, at a time of the shutter. It is aimed anew: with
+/// the direction found at the surface itself, a ray that starts a little off it would end in an emitter close
+/// by before it arrives.
+inline Ray shadow_ray(Vec3f p, float time, const DirectSample& direct) {
     if (direct.light.distance == kInfinity)
-        return {p, direct.light.wi};
+        return {p, direct.light.wi, 0, kInfinity, time};
     const Vec3f to_light = direct.target - p;
     const float distance = length(to_light);
-    return {p, distance > 0 ? to_light / distance : direct.light.wi, 0, distance};
+    return {p, distance > 0 ? to_light / distance : direct.light.wi, 0, distance, time};
 }
 
 /// Transmittance from p (already off its surface) to the light: surfaces, then media.
-inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p,
+inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, float time,
                                 const DirectSample& direct, PathSampler& sampler, Workspace& ws) {
     if (!direct.cast_shadow)
         return Rgb(1);
-    const Ray ray = shadow_ray(p, direct);
+    const Ray ray = shadow_ray(p, time, direct);
     ++ws.counters.rays;
     Rgb T = scene.surface_transmittance(ray);
     if (is_zero(T) || !scene.features().media)

@@ -36,11 +36,11 @@ class Path {
         const LampHit lamp = nearest_lamp(end);
         if (kind_ == kCameraRay && !primary_done_) {
             primary_done_ = true;
-            record_transmittance(scene_, settings_, request_, {ray_.o, ray_.d, ray_.t_min, end}, sampler_,
-                                 ws_, out_);
+            record_transmittance(scene_, settings_, request_, ray_.part(ray_.t_min, end), sampler_, ws_,
+                                 out_);
         }
         if constexpr (kMedia) {
-            scene_.find_media({ray_.o, ray_.d, ray_.t_min, std::min(end, lamp.distance)}, kind_, ws_.segment);
+            scene_.find_media(ray_.part(ray_.t_min, std::min(end, lamp.distance)), kind_, ws_.segment);
             if (request_.features && first_ == First::none && hit.valid())
                 record_surface(scene_, shading(hit), out_, recorded_);
             if (!ws_.segment.empty()) {
@@ -179,7 +179,7 @@ class Path {
             const Vec3f o = offset_point(point.p, -point.ng);
             const float step = length(o - ray_.o);
             travelled_ += step;
-            ray_ = {o, ray_.d, 0, ray_.t_max - step};
+            ray_ = {o, ray_.d, 0, ray_.t_max - step, ray_.time};
             return true;
         }
         if (exhausted)
@@ -208,7 +208,7 @@ class Path {
     }
 
     void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
-        const Rgb T = shadow_transmittance(scene_, settings_, p, direct, sampler_, ws_);
+        const Rgb T = shadow_transmittance(scene_, settings_, p, ray_.time, direct, sampler_, ws_);
         if (is_zero(T))
             return;
         const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
@@ -247,7 +247,7 @@ class Path {
                 return false;
             beta_ /= survive;
         }
-        ray_ = {o, wi};
+        ray_ = {o, wi, 0, kInfinity, ray_.time};
         kind_ = kind;
         previous_p_ = vertex;
         travelled_ = 0;

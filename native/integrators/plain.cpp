@@ -28,7 +28,7 @@ Point medium_at(const Medium& m, const Segment& segment, float t, Counters& coun
     const Vec3f p = segment.ray.at(t);
     if (m.program) {
         ++counters.density_lookups;
-        const VolumePoint at{p, -segment.ray.d, segment.ray_kind};
+        const VolumePoint at{p, -segment.ray.d, segment.ray_kind, segment.ray.time};
         return {m.program->coefficients(at), m.program->emission(at)};
     }
     float density = 1;
@@ -115,16 +115,16 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         if (bounces >
             0) {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
             scene.lights().for_each_lamp_hit(
-                {ray.o, ray.d, ray.t_min, end}, [&](std::uint32_t number, const LightHit& lamp) {
+                ray.part(ray.t_min, end), [&](std::uint32_t number, const LightHit& lamp) {
                     if ((scene.lights().lamp(number).visibility & kind) == 0)
                         return;
                     float ignored = 0;
-                    scene.find_media({ray.o, ray.d, ray.t_min, lamp.distance}, kind, ws.shadow);
+                    scene.find_media(ray.part(ray.t_min, lamp.distance), kind, ws.shadow);
                     if (collide(ws.shadow, channel, rng, ws.counters, ignored).what == Collision::What::none)
                         add(lamp.Le[channel]);
                 });
         }
-        scene.find_media({ray.o, ray.d, ray.t_min, end}, kind, ws.segment);
+        scene.find_media(ray.part(ray.t_min, end), kind, ws.segment);
         float emitted = 0;
         const Collision collision = collide(ws.segment, channel, rng, ws.counters, emitted);
         (bounces == 0 || volume_first ? out.volume : out.surface)[channel] += beta * emitted;
@@ -136,7 +136,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces)
                 break;
             ++volume_bounces;
-            ray = {ray.at(collision.t), collision.phase.sample(-ray.d, rng.next2())};
+            ray = {ray.at(collision.t), collision.phase.sample(-ray.d, rng.next2()), 0, kInfinity, ray.time};
             kind = kVolumeRay;
             continue;
         }
@@ -158,10 +158,11 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         if (beta == 0)
             break;
         if (sample->kind == 0) {
-            ray = {offset_point(point.p, -point.ng), sample->wi};
+            ray = {offset_point(point.p, -point.ng), sample->wi, 0, kInfinity, ray.time};
             continue;
         }
-        ray = {scene.departure(point, sample->wi, sample->crosses).o, sample->wi};
+        const Vec3f o = scene.departure(point, sample->wi, sample->crosses).o;
+        ray = {o, sample->wi, 0, kInfinity, ray.time};
         if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces)
             break;
         ++surface_bounces;

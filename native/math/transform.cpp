@@ -37,6 +37,17 @@ Transform inverse_of(const double (&m)[16]) {
     return transform_of(inverse);
 }
 
+Transform inverse_of(const Transform& t) {
+    // Columns of the inverse: cross products of the rows, over the determinant.
+    const Vec3f x = cross(t.row[1], t.row[2]), y = cross(t.row[2], t.row[0]), z = cross(t.row[0], t.row[1]);
+    const float scale = 1 / dot(t.row[0], x);
+    Transform inverse;
+    for (int r = 0; r < 3; ++r)
+        inverse.row[static_cast<std::size_t>(r)] = Vec3f(x[r], y[r], z[r]) * scale;
+    inverse.translation = -inverse.vector(t.translation);
+    return inverse;
+}
+
 void multiply(const double (&a)[16], const double (&b)[16], double (&out)[16]) {
     for (int r = 0; r < 4; ++r) {
         for (int c = 0; c < 4; ++c) {

@@ -25,6 +25,8 @@ struct Transform {
 /// Inverse of an affine map given as 16 row-major doubles; throws std::invalid_argument where it is singular.
 Transform inverse_of(const double (&matrix)[16]);
 Transform transform_of(const double (&matrix)[16]);
+/// Inverse of a map that is not singular, in single precision.
+Transform inverse_of(const Transform& transform);
 /// a * b.
 void multiply(const double (&a)[16], const double (&b)[16], double (&out)[16]);
 

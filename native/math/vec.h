@@ -127,8 +127,11 @@ struct Ray {
     Vec3f o, d;
     float t_min = 0;
     float t_max = kInfinity;
+    float time = 0;  ///< of the shutter, in [0, 1]
 
     Vec3f at(float t) const { return o + d * t; }
+    /// What of its line lies between two distances.
+    Ray part(float from, float to) const { return {o, d, from, to, time}; }
 };
 
 }  // namespace nephele

@@ -28,7 +28,7 @@ struct BoundsFrame {
     IndexBox box;
 };
 
-/// The frame of a box of the world, its longest side divided into 64 cells.
+/// The frame of a box of the world, its longest side divided into 32 cells.
 BoundsFrame frame_of_box(Vec3f lo, Vec3f hi);
 
 /// Bounds of a medium's extinction over its frame. Where it emits, the majorant is somewhat above:

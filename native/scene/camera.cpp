@@ -24,6 +24,23 @@ Transform without_scale(const CameraDescription& camera) {
     }
     return m;
 }
+Motion motion_without_scale(const CameraDescription& camera) {
+    if (camera.motion.empty())
+        return {};
+    std::vector<std::array<double, 16>> matrices = camera.motion;
+    for (auto& m : matrices) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double scale = std::hypot(m[c], m[4 + c], m[8 + c]);
+            for (std::size_t r = 0; r < 3; ++r)
+                m[4 * r + c] /= scale;
+        }
+    }
+    try {
+        return Motion(matrices);
+    } catch (const std::invalid_argument& e) {
+        throw std::invalid_argument("camera '" + camera.name + "': " + e.what());
+    }
+}
 
 void check(const CameraDescription& camera) {
     const auto reject = [&](const char* fault) {
@@ -48,6 +65,7 @@ void check(const CameraDescription& camera) {
 Camera::Camera(const CameraDescription& d)
     : kind_(d.kind),
       world_from_camera_(without_scale(d)),
+      motion_(motion_without_scale(d)),
       left_(d.left),
       right_(d.right),
       bottom_(d.bottom),
@@ -80,7 +98,7 @@ Vec2f Camera::sample_lens(Vec2f u) const {
     return {aperture_radius_ * inverse_aperture_ratio_ * q.x, aperture_radius_ * q.y};
 }
 
-Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size) const {
+Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size, float time) const {
     const auto x =
         static_cast<float>(left_ + (right_ - left_) * (double{film_position.x} / double{film_size.x}));
     const auto y =
@@ -97,8 +115,15 @@ Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size) const {
     d = normalize(d);
     const float per_depth = -1 / d.z;
     Ray ray;
-    ray.o = world_from_camera_.point(o);
-    ray.d = normalize(world_from_camera_.vector(d));
+    ray.time = time;
+    const auto place = [&](const Transform& world_from_camera) {
+        ray.o = world_from_camera.point(o);
+        ray.d = normalize(world_from_camera.vector(d));
+    };
+    if (motion_.moves())
+        place(motion_.at(time));
+    else
+        place(world_from_camera_);
     ray.t_min = clip_start_ * per_depth;
     ray.t_max = clip_end_ * per_depth;
     return ray;

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "math/transform.h"
+#include "math/motion.h"
 
 namespace nephele {
 
@@ -17,6 +17,7 @@ struct CameraDescription {
     std::string name;
     Kind kind = Kind::perspective;
     double world_from_camera[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    std::vector<std::array<double, 16>> motion;  ///< of world_from_camera over the shutter; empty: none
     double left = -1, right = 1, bottom = -1,
            top = 1;                              ///< full frame at distance 1, or in metres (orthographic)
     float clip_start = 0, clip_end = kInfinity;  ///< m along the view axis
@@ -36,10 +37,12 @@ class Camera {
 
     /// The world-space ray through a film position (pixels of a frame of film_size); lens_u in [0,1)^2 picks
     /// the point on the lens. d has unit length; t_min and t_max are where the ray crosses the clipping
-    /// planes.
-    Ray generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size) const;
+    /// planes. time: of the shutter, in [0, 1].
+    Ray generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size, float time = 0) const;
 
+    bool moves() const { return motion_.moves(); }
     bool perspective() const { return kind_ == CameraDescription::Kind::perspective; }
+    // The rest is as at the frame itself, wherever the camera goes while the shutter is open.
     Vec3f position() const { return world_from_camera_.translation; }
     /// Unit vector along the view axis, world space.
     Vec3f forward() const { return -world_from_camera_.column(2); }
@@ -54,6 +57,7 @@ class Camera {
 
     CameraDescription::Kind kind_;
     Transform world_from_camera_;  // rotation and translation only
+    Motion motion_;                // likewise
     double left_, right_, bottom_, top_;
     float clip_start_, clip_end_, aperture_radius_, blades_rotation_, inverse_aperture_ratio_,
         focus_distance_;

@@ -32,7 +32,7 @@ void find_crossings(const Intersector& hierarchy, std::span<const Instance> inst
     const float skipped = -dot(ray.o, ray.d) - 4 * hierarchy.reach();
     const bool afar = skipped > 0;
     hierarchy.intersect({afar ? ray.at(skipped) : ray.o, ray.d,
-                         afar ? std::max(ray.t_min - skipped, 0.0f) : ray.t_min, kInfinity},
+                         afar ? std::max(ray.t_min - skipped, 0.0f) : ray.t_min, kInfinity, ray.time},
                         &collector);
     if (afar) {
         for (Crossing& c : out)

@@ -20,14 +20,16 @@ constexpr float kGrazing = 0.1f;
 /// where that surface is behind the face.
 Vec3f lift(const ShadingPoint& point, bool crosses) {
     const Instance& instance = *point.instance;
-    const float* normals = point.mesh->corner_normals.data() + 9 * std::size_t{point.triangle};
+    const Mesh& mesh = *point.mesh;
+    const Transform world_from_object = instance.world_from_object_at(point.time);
+    const Transform object_from_world =
+        instance.motion.moves() ? inverse_of(world_from_object) : instance.object_from_world;
     const float side = point.backfacing != crosses ? -1.0f : 1.0f;
     Vec3f sum;
     for (int i = 0; i < 3; ++i) {
-        const float* c = normals + 3 * i;
-        const Vec3f n =
-            side * safe_normalize(instance.object_from_world.transposed_vector(Vec3f(c[0], c[1], c[2])));
-        const Vec3f corner = instance.world_from_object.point(point.mesh->vertex(point.triangle, i));
+        const Vec3f corner = world_from_object.point(mesh.vertex(point.triangle, i, point.time));
+        const Vec3f normal = mesh.corner_normal(point.triangle, i, point.time);
+        const Vec3f n = side * safe_normalize(object_from_world.transposed_vector(normal));
         sum += n * (point.barycentric[i] * std::max(0.0f, dot(corner - point.p, n)));
     }
     return sum;
@@ -43,7 +45,7 @@ Scene::Departure Scene::departure(const ShadingPoint& point, Vec3f wi, bool cros
     const Vec3f up = lift(point, crosses) * std::min(1.0f, 1 - cosine / kGrazing);
     const float height = length(up);
     // Not through what lies close above.
-    if (height == 0 || is_zero(surface_transmittance({o, up / height, 0, height})))
+    if (height == 0 || is_zero(surface_transmittance({o, up / height, 0, height, point.time})))
         return {point.p, o};
     return {point.p + up, offset_point(point.p + up, n)};
 }

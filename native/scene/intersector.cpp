@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "scene/reach.h"
 #include "scene/watertight.h"
 
 namespace nephele {
@@ -49,22 +50,40 @@ void run_filter(const RTCFilterFunctionNArguments* args) {
         args->valid[0] = 0;
 }
 
+/// Vertices of a mesh at equally spaced times of the shutter; one step where they stand still.
+struct Vertices {
+    const float* data;
+    std::size_t steps, floats;  ///< floats: of one step
+};
+Vertices own_vertices(const Mesh& mesh) {
+    return mesh.deforms() ? Vertices{mesh.motion_positions.data(), mesh.motion_steps, mesh.positions.size()}
+                          : Vertices{mesh.positions.data(), 1, mesh.positions.size()};
+}
+
 /// Triangles that Embree asks us about.
 struct OwnFaces {
-    const float* vertices;
+    Vertices vertices;
     const std::int32_t* triangles;
     float slack;  ///< of boxes, for the rounding of vertices as the ray sees them
 
-    Vec3f corner(unsigned face, unsigned i) const {
-        const float* p = vertices + 3 * static_cast<std::size_t>(triangles[3 * std::size_t{face} + i]);
+    /// At one of the vertices' steps.
+    Vec3f corner(unsigned face, unsigned i, std::size_t step) const {
+        const float* p = vertices.data + step * vertices.floats +
+                         3 * static_cast<std::size_t>(triangles[3 * std::size_t{face} + i]);
         return {p[0], p[1], p[2]};
+    }
+    Vec3f corner_at(unsigned face, unsigned i, float time) const {
+        if (vertices.steps == 1)
+            return corner(face, i, 0);
+        const MotionPlace place(time, vertices.steps);
+        return lerp(corner(face, i, place.step), corner(face, i, place.step + 1), place.fraction);
     }
 };
 
 void bound_face(const RTCBoundsFunctionArguments* args) {
     const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
-    const Vec3f a = faces.corner(args->primID, 0), b = faces.corner(args->primID, 1),
-                c = faces.corner(args->primID, 2);
+    const auto corner = [&](unsigned i) { return faces.corner(args->primID, i, args->timeStep); };
+    const Vec3f a = corner(0), b = corner(1), c = corner(2);
     const Vec3f lo = min(a, min(b, c)) - Vec3f(faces.slack), hi = max(a, max(b, c)) + Vec3f(faces.slack);
     RTCBounds& out = *args->bounds_o;
     out.lower_x = lo.x, out.lower_y = lo.y, out.lower_z = lo.z;
@@ -78,8 +97,8 @@ void intersect_face(const RTCIntersectFunctionNArguments* args) {
     const auto& query = *reinterpret_cast<const Query*>(args->context);
     auto& [ray, hit] = *reinterpret_cast<RTCRayHit*>(args->rayhit);
     const WatertightRay line({ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z});
-    const auto met = line.meet(faces.corner(args->primID, 0), faces.corner(args->primID, 1),
-                               faces.corner(args->primID, 2));
+    const auto corner = [&](unsigned i) { return faces.corner_at(args->primID, i, ray.time); };
+    const auto met = line.meet(corner(0), corner(1), corner(2));
     if (!met || !(met->t >= ray.tnear && met->t <= ray.tfar))
         return;
     const unsigned instance = query.context.instID[0];
@@ -99,6 +118,7 @@ RTCRay rtc_ray(const Ray& r) {
     ray.dir_x = r.d.x, ray.dir_y = r.d.y, ray.dir_z = r.d.z;
     ray.tnear = r.t_min;
     ray.tfar = r.t_max;
+    ray.time = r.time;
     ray.mask = ~0u;
     return ray;
 }
@@ -128,7 +148,7 @@ void check(RTCDevice device, const char* what) {
 struct Intersector::Impl {
     RTCDevice device = nullptr;
     RTCScene top = nullptr;
-    std::vector<RTCScene> shared;  ///< one per mesh that several instances use
+    std::vector<RTCScene> shared;  ///< one per mesh that moves or that several instances use
     std::atomic<std::ptrdiff_t> memory{0};
     std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
     Faces faces;
@@ -166,8 +186,9 @@ struct Intersector::Impl {
         return scene;
     }
 
-    RTCGeometry watertight_triangles(const Mesh& mesh, const float* vertices, float slack) {
+    RTCGeometry watertight_triangles(const Mesh& mesh, const Vertices& vertices, float slack) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
         rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangle_count()));
         rtcSetGeometryUserData(geometry, &own.emplace_back(OwnFaces{vertices, mesh.triangles.data(), slack}));
         rtcSetGeometryBoundsFunction(geometry, bound_face, nullptr);
@@ -175,20 +196,26 @@ struct Intersector::Impl {
         return geometry;
     }
 
-    RTCGeometry triangles(const Mesh& mesh, const float* vertices, std::size_t vertex_count, float slack) {
+    /// own_space: the vertices are the mesh's own, not placed in the world.
+    RTCGeometry triangles(const Mesh& mesh, const Vertices& vertices, bool own_space, float slack) {
         if (faces == Faces::watertight)
             return watertight_triangles(mesh, vertices, slack);
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        if (vertices == mesh.positions.data()) {
-            // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's array:
-            // copy.
-            void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                 vertex_count);
-            if (copy != nullptr)
-                std::copy(vertices, vertices + 3 * vertex_count, static_cast<float*>(copy));
-        } else {
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
-                                       12, vertex_count);
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
+        for (std::size_t i = 0; i < vertices.steps; ++i) {
+            const float* step = vertices.data + i * vertices.floats;
+            const auto slot = static_cast<unsigned>(i);
+            if (own_space) {
+                // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's
+                // array: copy.
+                void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot,
+                                                     RTC_FORMAT_FLOAT3, 12, vertices.floats / 3);
+                if (copy != nullptr)
+                    std::copy(step, step + vertices.floats, static_cast<float*>(copy));
+            } else {
+                rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot, RTC_FORMAT_FLOAT3, step, 0,
+                                           12, vertices.floats / 3);
+            }
         }
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                    mesh.triangles.data(), 0, 12, mesh.triangle_count());
@@ -198,8 +225,8 @@ struct Intersector::Impl {
         return geometry;
     }
 
-    /// A mesh used once: its vertices are placed in the world, which makes queries cheaper than an instance
-    /// would.
+    /// A mesh used once that stands still: its vertices are placed in the world, which makes queries cheaper
+    /// than an instance would.
     RTCGeometry place(const Mesh& mesh, const Transform& world_from_object, float slack) {
         const std::size_t count = mesh.positions.size() / 3;
         std::vector<float>& out =
@@ -209,17 +236,26 @@ struct Intersector::Impl {
             const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
             out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
         }
-        return triangles(mesh, out.data(), count, slack);
+        return triangles(mesh, {out.data(), 1, 3 * count}, false, slack);
     }
 
-    RTCGeometry instance(RTCScene scene, const Transform& m) {
+    RTCGeometry instance(RTCScene scene, const Instance& placed_mesh) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, scene);
+        const std::vector<Transform>& steps = placed_mesh.motion.steps();
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(std::max<std::size_t>(steps.size(), 1)));
+        if (!placed_mesh.motion.moves())
+            set_transform(geometry, 0, placed_mesh.world_from_object);
+        for (std::size_t i = 0; i < steps.size(); ++i)
+            set_transform(geometry, static_cast<unsigned>(i), steps[i]);
+        return geometry;
+    }
+
+    static void set_transform(RTCGeometry geometry, unsigned step, const Transform& m) {
         const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x,
                                 m.row[1].x, m.row[1].y, m.row[1].z, m.translation.y,
                                 m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
-        return geometry;
+        rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
     }
 
     static void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
@@ -228,45 +264,6 @@ struct Intersector::Impl {
         rtcReleaseGeometry(geometry);
     }
 };
-
-namespace {
-
-/// Largest coordinate of the instances in the world.
-float reach_of(std::span<const Mesh> meshes, std::span<const Instance> instances,
-               std::span<const std::uint32_t> used) {
-    std::vector<float> of_mesh(meshes.size(), -1);
-    float reach = 0;
-    for (const std::uint32_t i : used) {
-        float& own = of_mesh[instances[i].mesh];
-        if (own < 0) {
-            own = 0;
-            for (const float x : meshes[instances[i].mesh].positions)
-                own = std::max(own, std::fabs(x));
-        }
-        const Transform& m = instances[i].world_from_object;
-        for (int a = 0; a < 3; ++a) {
-            const Vec3f row = m.row[static_cast<std::size_t>(a)];
-            reach = std::max(reach, std::fabs(m.translation[a]) +
-                                        own * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
-        }
-    }
-    return reach;
-}
-
-/// The most that a metre of the world measures in a mesh's own space, among its instances.
-float object_scale(std::span<const Instance> instances, std::span<const std::uint32_t> used,
-                   std::uint32_t mesh) {
-    float scale = 0;
-    for (const std::uint32_t i : used) {
-        if (instances[i].mesh != mesh)
-            continue;
-        for (const Vec3f row : instances[i].object_from_world.row)
-            scale = std::max(scale, length(row));
-    }
-    return scale;
-}
-
-}  // namespace
 
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
                          std::span<const std::uint32_t> used, Faces faces)
@@ -284,7 +281,7 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
     for (const std::uint32_t i : used) {
         const Instance& instance = instances[i];
         const Mesh& mesh = meshes[instance.mesh];
-        if (uses[instance.mesh] == 1) {
+        if (uses[instance.mesh] == 1 && !instance.motion.moves() && !mesh.deforms()) {
             impl_->flipped[i] = instance.mirrored();
             Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object, slack), i);
             continue;
@@ -293,12 +290,12 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
         if (scene == nullptr) {
             scene = impl_->shared.emplace_back(impl_->new_scene());
             Impl::attach(scene,
-                         impl_->triangles(mesh, mesh.positions.data(), mesh.positions.size() / 3,
+                         impl_->triangles(mesh, own_vertices(mesh), true,
                                           slack * object_scale(instances, used, instance.mesh)),
                          0);
             rtcCommitScene(scene);
         }
-        Impl::attach(impl_->top, impl_->instance(scene, instance.world_from_object), i);
+        Impl::attach(impl_->top, impl_->instance(scene, instance), i);
     }
     rtcCommitScene(impl_->top);
     check(impl_->device, "build the ray tracing hierarchy");

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/buffer.h"
-#include "math/transform.h"
+#include "math/motion.h"
 
 namespace nephele {
 
@@ -23,16 +23,45 @@ struct Mesh {
     std::vector<Buffer<float>> attributes;  ///< 12 a triangle: RGBA a corner
     Buffer<std::int32_t> material_index;    ///< 1 a triangle, or empty: slot 0
     Vec3f generated_min, generated_size;
+    /// Vertices, and corner normals where there are any, at equally spaced times of the shutter; 0 steps: it
+    /// keeps its shape.
+    std::size_t motion_steps = 0;
+    Buffer<float> motion_positions, motion_normals;
 
     std::size_t triangle_count() const { return triangles.size() / 3; }
+    bool deforms() const { return motion_steps > 0; }
     Vec3f vertex(std::uint32_t triangle, int corner) const {
-        const float* p = positions.data() +
-                         3 * static_cast<std::size_t>(
-                                 triangles[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]);
-        return {p[0], p[1], p[2]};
+        return at(positions, 3 * vertex_number(triangle, corner));
+    }
+    /// At a time in [0, 1] of the shutter.
+    Vec3f vertex(std::uint32_t triangle, int corner, float time) const {
+        if (!deforms())
+            return vertex(triangle, corner);
+        return moving(motion_positions, positions.size(), 3 * vertex_number(triangle, corner), time);
+    }
+    /// A corner's normal, where it has one.
+    Vec3f corner_normal(std::uint32_t triangle, int corner, float time) const {
+        const std::size_t i = 9 * std::size_t{triangle} + 3 * static_cast<std::size_t>(corner);
+        return motion_normals.empty() ? at(corner_normals, i)
+                                      : moving(motion_normals, corner_normals.size(), i, time);
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];
+    }
+
+  private:
+    std::size_t vertex_number(std::uint32_t triangle, int corner) const {
+        return static_cast<std::size_t>(
+            triangles[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]);
+    }
+    static Vec3f at(const Buffer<float>& values, std::size_t i) {
+        return {values[i], values[i + 1], values[i + 2]};
+    }
+    /// values: `size` floats a step.
+    Vec3f moving(const Buffer<float>& values, std::size_t size, std::size_t i, float time) const {
+        const MotionPlace place(time, motion_steps);
+        return lerp(at(values, place.step * size + i), at(values, (place.step + 1) * size + i),
+                    place.fraction);
     }
 };
 
@@ -40,9 +69,10 @@ struct Mesh {
 struct Instance {
     std::string name;
     std::uint32_t mesh = 0;
-    Transform world_from_object, object_from_world;
-    std::vector<std::int32_t> materials;  ///< by slot; -1: the default grey diffuse
-    std::uint32_t visibility = ~0u;       ///< bits of RayKind
+    Transform world_from_object, object_from_world;  ///< of the frame itself
+    Motion motion;                                   ///< of world_from_object over the shutter
+    std::vector<std::int32_t> materials;             ///< by slot; -1: the default grey diffuse
+    std::uint32_t visibility = ~0u;                  ///< bits of RayKind
     float random = 0;
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
@@ -52,6 +82,9 @@ struct Instance {
     std::int32_t material_of(const Mesh& m, std::uint32_t triangle) const {
         const auto slot = static_cast<std::size_t>(std::max(m.slot(triangle), 0));
         return materials[std::min(slot, materials.size() - 1)];
+    }
+    Transform world_from_object_at(float time) const {
+        return motion.moves() ? motion.at(time) : world_from_object;
     }
     bool mirrored() const { return world_from_object.determinant() < 0; }
 };

@@ -19,9 +19,11 @@ void check_mesh(const Mesh& mesh) {
         if (i < 0 || i >= vertices)
             throw std::invalid_argument("a triangle names a vertex that does not exist");
     }
-    for (const float x : mesh.positions) {
-        if (!std::isfinite(x))
-            throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
+    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
+        for (const float x : *positions) {
+            if (!std::isfinite(x))
+                throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
+        }
     }
     const std::size_t n = mesh.triangle_count();
     const auto fits = [](std::size_t size, std::size_t wanted) { return size == 0 || size == wanted; };
@@ -30,6 +32,14 @@ void check_mesh(const Mesh& mesh) {
         good &= uv.size() == 6 * n;
     for (const auto& attribute : mesh.attributes)
         good &= attribute.size() == 12 * n;
+    if (!mesh.motion_positions.empty() || !mesh.motion_normals.empty()) {
+        const std::size_t steps = mesh.motion_steps;
+        if (mesh.motion_positions.size() != steps * mesh.positions.size() ||
+            !fits(mesh.motion_normals.size(), steps * mesh.corner_normals.size()))
+            throw std::invalid_argument("its motion has another number of vertices");
+        if (steps < 2 || steps > kMaxMotionSteps)
+            throw std::invalid_argument("its motion must have 2 to 129 steps");
+    }
     if (!good)
         throw std::invalid_argument("an array does not have one entry per triangle corner");
 }
@@ -66,7 +76,7 @@ void Scene::add_meshes() {
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
         drop_priority_of_emitter(source_.instances[i]);
-        const Instance& instance = source_.instances[i];
+        Instance& instance = source_.instances[i];
         const auto has = [&](auto test) {
             return std::any_of(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
@@ -84,6 +94,14 @@ void Scene::add_meshes() {
             });
         const std::vector<VolumeClosure>& closures =
             source_.materials[static_cast<std::size_t>(*slot)].volume;
+        const bool varies = std::any_of(closures.begin(), closures.end(),
+                                        [](const VolumeClosure& c) { return c.program.has_value(); });
+        if (varies && instance.motion.moves()) {
+            warnings_.push_back("object '" + instance.name +
+                                "': it moves, and its volume shader varies from place to place; it is not "
+                                "blurred");
+            instance.motion = {};
+        }
         const std::size_t before = regions_.size();
         naming(instance.name, [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)

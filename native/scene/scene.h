@@ -78,6 +78,7 @@ struct SceneSource {
 struct SceneFeatures {
     bool media = false;       ///< any region with a medium
     bool grids = false;       ///< any medium scaled by a grid
+    bool programs = false;    ///< any medium whose coefficients a program computes
     bool mesh_media = false;  ///< any medium bounded by a mesh
     bool overlap = false;     ///< more than one medium
     bool chromatic = false;   ///< sigma_t differs between channels
@@ -89,6 +90,7 @@ struct SceneFeatures {
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
+    bool motion = false;  ///< something moves while the shutter is open: paths have a time
 
     /// Names of the features that are there (present) or left out.
     std::vector<std::string> list(bool present) const;

@@ -47,6 +47,11 @@ void Scene::add_lights() {
         }
         if (!emits)
             continue;
+        if (instance.motion.moves() || mesh.deforms()) {  // light sampling aims at what stands still
+            warnings_.push_back("object '" + instance.name +
+                                "': it glows and moves; its light is found by chance alone, with more noise");
+            continue;
+        }
         std::vector<float> of_triangle(mesh.triangle_count());
         for (std::uint32_t t = 0; t < of_triangle.size(); ++t) {
             const std::int32_t m = instance.material_of(mesh, t);
@@ -72,9 +77,10 @@ void Scene::decide_features() {
     for (const Region& r : regions_)
         f.mesh_media |= r.kind == Region::Kind::mesh;
     for (const Medium& m : media_) {
-        f.grids |= (m.grid || m.program);
-        f.chromatic |= m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
-        f.volume_emission |= !is_zero(m.emission);
+        f.grids |= m.grid != nullptr;
+        f.programs |= m.program != nullptr;
+        f.chromatic |= m.program || m.sigma_t != Rgb(m.sigma_t.x) || m.sigma_s != Rgb(m.sigma_s.x);
+        f.volume_emission |= m.emits();
     }
     f.media = !media_.empty();
     f.overlap = media_.size() > 1;
@@ -89,6 +95,9 @@ void Scene::decide_features() {
             f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
         }
     }
+    f.motion |= camera_->moves();  // and where a volume has velocities
+    for (const Instance& instance : source_.instances)
+        f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
     f.lamps = !lights_.lamps().empty();
     f.mesh_lights = !lights_.meshes().empty();
     f.background = lights_.world() != nullptr && !lights_.world()->black();
@@ -105,6 +114,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"grids", &SceneFeatures::grids},
     {"mesh media", &SceneFeatures::mesh_media},
     {"overlap", &SceneFeatures::overlap},
+    {"volume programs", &SceneFeatures::programs},
     {"chromatic", &SceneFeatures::chromatic},
     {"volume emission", &SceneFeatures::volume_emission},
     {"surfaces", &SceneFeatures::surfaces},
@@ -114,6 +124,7 @@ constexpr FeatureName kFeatureNames[] = {
     {"lamps", &SceneFeatures::lamps},
     {"mesh lights", &SceneFeatures::mesh_lights},
     {"background", &SceneFeatures::background},
+    {"motion", &SceneFeatures::motion},
 };
 
 }  // namespace

@@ -27,13 +27,15 @@ bool mergeable(const Medium& a, const Medium& b) {
            a.density_scales_emission == b.density_scales_emission && a.phase == b.phase;
 }
 
-/// The box of an instance in the world.
+/// The box of an instance in the world, whatever the shape of its mesh while the shutter is open.
 void include_instance(const Instance& instance, const Mesh& mesh, Vec3f& lo, Vec3f& hi) {
-    for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
-        const Vec3f p = instance.world_from_object.point(
-            {mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]});
-        lo = min(lo, p);
-        hi = max(hi, p);
+    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
+        for (std::size_t i = 0; i + 2 < positions->size(); i += 3) {
+            const Vec3f p =
+                instance.world_from_object.point({(*positions)[i], (*positions)[i + 1], (*positions)[i + 2]});
+            lo = min(lo, p);
+            hi = max(hi, p);
+        }
     }
 }
 

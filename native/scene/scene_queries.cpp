@@ -131,21 +131,26 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
     point.outside_ior = hit.outside_ior;
     point.wo = -ray.d;
     point.ray_kind = ray_kind;
+    point.time = ray.time;
     point.barycentric = {1 - hit.u - hit.v, hit.u, hit.v};
-    const Vec3f a = mesh.vertex(hit.triangle, 0), b = mesh.vertex(hit.triangle, 1),
-                c = mesh.vertex(hit.triangle, 2);
+    const Vec3f a = mesh.vertex(hit.triangle, 0, ray.time), b = mesh.vertex(hit.triangle, 1, ray.time),
+                c = mesh.vertex(hit.triangle, 2, ray.time);
     const Vec3f& w = point.barycentric;
     point.object_p = a * w.x + b * w.y + c * w.z;
-    point.p = instance.world_from_object.point(point.object_p);
-    const auto world_normal = [&](Vec3f n) {
-        return safe_normalize(instance.object_from_world.transposed_vector(n));
-    };
+    Transform object_from_world = instance.object_from_world;
+    if (instance.motion.moves()) {
+        const Transform world_from_object = instance.motion.at(ray.time);
+        object_from_world = inverse_of(world_from_object);
+        point.p = world_from_object.point(point.object_p);
+    } else {
+        point.p = instance.world_from_object.point(point.object_p);
+    }
+    const auto world_normal = [&](Vec3f n) { return safe_normalize(object_from_world.transposed_vector(n)); };
     point.ng = world_normal(cross(b - a, c - a));
     point.ns = point.ng;
     if (!mesh.corner_normals.empty()) {
-        const float* n = mesh.corner_normals.data() + 9 * std::size_t{hit.triangle};
-        const Vec3f smooth =
-            Vec3f(n[0], n[1], n[2]) * w.x + Vec3f(n[3], n[4], n[5]) * w.y + Vec3f(n[6], n[7], n[8]) * w.z;
+        const auto normal = [&](int corner) { return mesh.corner_normal(hit.triangle, corner, ray.time); };
+        const Vec3f smooth = normal(0) * w.x + normal(1) * w.y + normal(2) * w.z;
         if (!is_zero(smooth))
             point.ns = world_normal(smooth);
     }

@@ -232,6 +232,7 @@ class Scene::VolumeBuilder {
         motion->world_from_velocity = transform_of(scaled);
         motion->open = s.shutter_open;
         motion->close = s.shutter_close;
+        scene_.features_.motion = true;
         return motion;
     }
 

@@ -25,6 +25,17 @@ Interval3 object_box(const BoundsInput& input) {
     return input.point.is_place() ? moved(p, input.context.origin) : p;
 }
 
+Interval3 object_location(const BoundsInput& input) {
+    if (!input.point.instance)
+        return Interval3(Vec3f(0));
+    Vec3f lo = input.point.instance->world_from_object.translation, hi = lo;
+    for (const Transform& step : input.point.instance->motion.steps()) {
+        lo = min(lo, step.translation);
+        hi = max(hi, step.translation);
+    }
+    return moved({Interval1(lo.x, hi.x), Interval1(lo.y, hi.y), Interval1(lo.z, hi.z)}, input.context.origin);
+}
+
 Interval3 generated(const BoundsInput& input) {
     const Interval3 p = object_box(input);
     if (!input.point.mesh)
@@ -61,6 +72,8 @@ Interval1 row_bounds(Vec3f row, double translation, const Interval3& p) {
 
 Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
     switch (op) {
+        case Op::object_location:
+            return object_location(input);
         case Op::generated:
             return generated(input);
         case Op::object_coordinate:
@@ -84,7 +97,6 @@ Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
         case Op::ray_is:
             return Interval3(mode == 0 ? Interval1(0) : Interval1(0, 1));
         case Op::uv:
-        case Op::object_location:
         case Op::object_color:
         case Op::object_random:
         case Op::object_index:

@@ -78,8 +78,8 @@ inline Interval1 rounded(Interval1 x) {
         return everything();
     return {below(x.lo), above(x.hi), x.nan};
 }
-/// As rounded, for a result that errs by up to kIntervalRounding times `size` as well: the sum of the magnitudes of
-/// the terms that it is made of.
+/// As rounded, for a result that errs by up to kIntervalRounding times `size` as well: the sum of the
+/// magnitudes of the terms that it is made of.
 inline Interval1 rounded(Interval1 x, double size) {
     return rounded({x.lo - kIntervalRounding * size, x.hi + kIntervalRounding * size, x.nan});
 }

@@ -113,8 +113,6 @@ Vec3f distorted(Vec3f p, const NoiseSettings& settings) {
     return moved;
 }
 
-constexpr float kScale[] = {0, 0.25f, 0.6616f, 0.9820f};  // of one to three dimensions
-
 }  // namespace
 
 Vec3f noise_offset(int seed, int dimensions) {
@@ -126,22 +124,10 @@ Vec3f noise_offset(int seed, int dimensions) {
             scaled(hash(bits(seed), bits(2)))};
 }
 
-Vec3f lattice_gradient(const std::array<int, 3>& cell, int dimensions) {
-    const float s = kScale[dimensions];
-    if (dimensions == 1)
-        return {s * gradient(hash(cell[0]), 1), 0, 0};
-    if (dimensions == 2) {
-        const std::uint32_t h = hash(cell[0], cell[1]);
-        return {s * gradient(h, 1, 0), s * gradient(h, 0, 1), 0};
-    }
-    const std::uint32_t h = hash(cell[0], cell[1], cell[2]);
-    return {s * gradient(h, 1, 0, 0), s * gradient(h, 0, 1, 0), s * gradient(h, 0, 0, 1)};
-}
-
 float perlin(float x) {
     const Cell cx(x);
     const float n = lerp(gradient(hash(cx.i), cx.f), gradient(hash(cx.i + 1), cx.f - 1), cx.faded);
-    return kScale[1] * n;
+    return 0.25f * n;
 }
 
 float perlin(float x, float y) {
@@ -149,7 +135,7 @@ float perlin(float x, float y) {
     const auto row = [&](int j, float fy) {
         return lerp(gradient(hash(cx.i, j), cx.f, fy), gradient(hash(cx.i + 1, j), cx.f - 1, fy), cx.faded);
     };
-    return kScale[2] * lerp(row(cy.i, cy.f), row(cy.i + 1, cy.f - 1), cy.faded);
+    return 0.6616f * lerp(row(cy.i, cy.f), row(cy.i + 1, cy.f - 1), cy.faded);
 }
 
 float perlin(Vec3f p) {
@@ -161,7 +147,7 @@ float perlin(Vec3f p) {
     const auto slab = [&](int k, float fz) {
         return lerp(row(cy.i, k, cy.f, fz), row(cy.i + 1, k, cy.f - 1, fz), cy.faded);
     };
-    return kScale[3] * lerp(slab(cz.i, cz.f), slab(cz.i + 1, cz.f - 1), cz.faded);
+    return 0.9820f * lerp(slab(cz.i, cz.f), slab(cz.i + 1, cz.f - 1), cz.faded);
 }
 
 float noise_value(Vec3f p, const NoiseSettings& settings) {

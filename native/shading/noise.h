@@ -3,8 +3,6 @@
 // Texture, so that pictures agree: lattice points are hashed by the final mix of Bob Jenkins' lookup3 (2006).
 #pragma once
 
-#include <array>
-
 #include "math/vec.h"
 
 namespace nephele {
@@ -25,8 +23,6 @@ struct NoiseSettings {
 
 /// Value of Blender's Noise Texture (type fBM) at an already scaled point, in all channels.
 float noise_value(Vec3f p, const NoiseSettings& settings);
-/// The gradient that perlin has at a point of the lattice; unused dimensions are 0.
-Vec3f lattice_gradient(const std::array<int, 3>& cell, int dimensions);
 /// Offset that decorrelates the noise number `seed` of a node: hashed, each coordinate in [100, 200]. Seeds 0
 /// to dimensions - 1 serve the distortion, the next two the colour's green and blue.
 Vec3f noise_offset(int seed, int dimensions);

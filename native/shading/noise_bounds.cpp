@@ -10,10 +10,13 @@ namespace {
 
 using Box = std::array<Interval1, 3>;
 
-/// A lattice cell or more is too much for gradients to say anything: the octave's whole range is smaller.
-constexpr double kLargestResolved = 1;
-/// Edge of the pieces that a box is cut into, and the largest box that is, in units of the first octave.
-constexpr double kPiece = 0.25, kLargestCut = 4;
+/// What sampling aims at, as a part of the fractal's range; octaves beyond the first few do not count.
+constexpr double kAim = 0.03;
+constexpr std::size_t kOctavesAimedAt = 4;
+/// Most samples along an axis, and the largest edge of a box that is sampled: a larger one meets the
+/// extremes.
+constexpr int kMostSteps = 32;
+constexpr double kLargestSampled = 4;
 /// Coordinates that perlin does not fold into its period.
 constexpr double kPeriod = 100000;
 
@@ -57,185 +60,95 @@ std::optional<Fractal> fractal_of(double detail_setting, double roughness_settin
     return fractal;
 }
 
-double fade(double t) {
-    return t * t * t * (t * (t * 6 - 15) + 10);
-}
-/// Range of fade's derivative, which is highest in the middle.
-Interval1 fade_slope(Interval1 t) {
-    const auto slope = [](double x) { return 30 * x * x * (1 - x) * (1 - x); };
-    const double p = slope(t.lo), q = slope(t.hi);
-    return {std::min(p, q), t.contains(0.5) ? slope(0.5) : std::max(p, q)};
-}
+/// A lattice of samples in a box: how many steps along each axis.
+struct Lattice {
+    std::array<int, 3> steps{};
+    std::array<double, 3> spacing{};
 
-/// a and b blended by a weight in [0, 1].
-Interval1 between(Interval1 a, Interval1 b, Interval1 w) {
-    return {a.lo + (b.lo - a.lo) * (b.lo < a.lo ? w.hi : w.lo),
-            a.hi + (b.hi - a.hi) * (b.hi < a.hi ? w.lo : w.hi)};
-}
-
-/// Range of the gradient of Perlin's noise over a part of one lattice cell. f: the part, in [0, 1]^3; of the
-/// noise sum_c w_c(f) g_c . (f - c) over corners c it is sum_c w_c g_c plus the weights' slopes times the
-/// differences of g_c . (f - c) across the cell.
-class CellGradient {
-  public:
-    CellGradient(const std::array<int, 3>& cell, const Box& f, int dimensions) : f_(f), n_(dimensions) {
-        for (int c = 0; c < 1 << n_; ++c) {
-            g_[c] = lattice_gradient({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)}, n_);
+    Lattice(const Box& box, int n, double step) {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+            const double edge = box[i].width();
+            steps[i] = edge > 0 ? std::max(1, static_cast<int>(std::ceil(edge / step - 1e-9))) : 0;
+            spacing[i] = edge / std::max(steps[i], 1);
         }
-        for (int i = 0; i < n_; ++i)
-            weight_[i] = {fade(f[i].lo), fade(f[i].hi)};
     }
-
-    Interval1 along(int axis) const {
-        std::array<Interval1, 8> own, across;
-        for (int c = 0; c < 1 << n_; ++c) {
-            own[c] = Interval1(g_[c][axis]);
-            if (c >> axis & 1)
-                across[c] = across[c ^ 1 << axis] = difference(c ^ 1 << axis, c);
-        }
-        const Interval1 slope = fade_slope(f_[axis]), far = blended(across, axis), mean = blended(own, -1);
-        const double p = far.lo * (far.lo < 0 ? slope.hi : slope.lo),
-                     q = far.hi * (far.hi < 0 ? slope.lo : slope.hi);
-        return {mean.lo + p, mean.hi + q};
+    /// By how much an octave may leave the range of its samples.
+    double excess(const Octave& octave, int n) const {
+        double square = 0;
+        for (const double s : spacing)
+            square += s * s;
+        const double f = octave.frequency;
+        return std::min(kPerlinCurvature[n] * f * f * square / 8, 2 * kPerlinRange[n]);
     }
-
-  private:
-    /// Range of g_b . (f - b) - g_a . (f - a).
-    Interval1 difference(int a, int b) const {
-        Interval1 sum(0);
-        for (int i = 0; i < n_; ++i) {
-            const double slope = static_cast<double>(g_[b][i]) - g_[a][i];
-            const double start = (a >> i & 1 ? g_[a][i] : 0.0) - (b >> i & 1 ? g_[b][i] : 0.0);
-            sum.lo += start + slope * (slope < 0 ? f_[i].hi : f_[i].lo);
-            sum.hi += start + slope * (slope < 0 ? f_[i].lo : f_[i].hi);
-        }
-        return sum;
-    }
-    /// Values at corners blended by the weights of all axes but `without`.
-    Interval1 blended(std::array<Interval1, 8> v, int without) const {
-        for (int i = 0; i < n_; ++i) {
-            if (i == without)
-                continue;
-            for (int c = 0; c < 1 << n_; ++c) {
-                if (!(c >> i & 1))
-                    v[c] = between(v[c], v[c | 1 << i], weight_[i]);
-            }
-        }
-        return v[0];
-    }
-
-    std::array<Vec3f, 8> g_;
-    Box f_, weight_;
-    int n_;
+    /// Whether sampling an octave says more than its range.
+    bool resolves(const Octave& octave, int n) const { return excess(octave, n) < kPerlinRange[n]; }
 };
 
-/// Range of the gradient over a box that reaches into at most two cells along each axis.
-Box gradient_range(const Box& box, int n) {
-    std::array<int, 3> first{}, cells{1, 1, 1};
-    for (int i = 0; i < n; ++i) {
-        first[i] = static_cast<int>(std::floor(box[i].lo));
-        cells[i] = static_cast<int>(std::floor(box[i].hi)) - first[i] + 1;
+/// The coarsest lattice that bounds the fractal well enough, or the finest that is allowed.
+Lattice lattice_for(const Box& box, const Fractal& fractal, int n) {
+    double edge = 0, aim = 0;
+    for (const Interval1& side : box)
+        edge = std::max(edge, side.width());
+    for (std::size_t k = 0; k < fractal.octaves.size(); ++k)
+        aim += fractal.octaves[k].weight * kPerlinRange[n] * (k < kOctavesAimedAt ? kAim : 1);
+    for (int steps = 1;; steps += (steps + 2) / 3) {
+        const Lattice lattice(box, n, edge / std::min(steps, kMostSteps));
+        double error = 0;
+        for (const Octave& octave : fractal.octaves)
+            error += octave.weight * std::min(lattice.excess(octave, n), kPerlinRange[n]);
+        if (error <= aim || steps >= kMostSteps)
+            return lattice;
     }
-    std::optional<Box> range;
-    for (int z = 0; z < cells[2]; ++z) {
-        for (int y = 0; y < cells[1]; ++y) {
-            for (int x = 0; x < cells[0]; ++x) {
-                const std::array<int, 3> cell{first[0] + x, first[1] + y, first[2] + z};
-                Box f;
-                for (int i = 0; i < n; ++i)
-                    f[i] = {std::max(0.0, box[i].lo - cell[i]), std::min(1.0, box[i].hi - cell[i])};
-                const CellGradient gradient(cell, f, n);
-                Box part;
-                for (int i = 0; i < n; ++i)
-                    part[i] = range ? join((*range)[i], gradient.along(i)) : gradient.along(i);
-                range = part;
+}
+
+double perlin_at(const std::array<double, 3>& p, double frequency, int n) {
+    const auto at = [&](std::size_t i) { return static_cast<float>(p[i] * frequency); };
+    return n == 1 ? perlin(at(0)) : n == 2 ? perlin(at(0), at(1)) : perlin(Vec3f(at(0), at(1), at(2)));
+}
+
+/// Range of the samples of some octaves.
+Interval1 sampled(const Box& box, const Lattice& lattice, std::span<const Octave> octaves, int n) {
+    Interval1 range(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+    for (int z = 0; z <= lattice.steps[2]; ++z) {
+        for (int y = 0; y <= lattice.steps[1]; ++y) {
+            for (int x = 0; x <= lattice.steps[0]; ++x) {
+                const std::array<double, 3> p{box[0].lo + x * lattice.spacing[0],
+                                              box[1].lo + y * lattice.spacing[1],
+                                              box[2].lo + z * lattice.spacing[2]};
+                double sum = 0;
+                for (const Octave& octave : octaves)
+                    sum += octave.weight * perlin_at(p, octave.frequency, n);
+                range = {std::min(range.lo, sum), std::max(range.hi, sum)};
             }
         }
     }
-    return *range;
-}
-
-/// Whether the mean value theorem holds over the box, and helps.
-bool resolved(const Box& box, int n) {
-    for (int i = 0; i < n; ++i) {
-        if (!(box[i].width() <= kLargestResolved && box[i].magnitude() < kPeriod))
-            return false;
-    }
-    return true;
-}
-
-float perlin_at(const std::array<float, 3>& p, int n) {
-    return n == 1 ? perlin(p[0]) : n == 2 ? perlin(p[0], p[1]) : perlin(Vec3f(p[0], p[1], p[2]));
-}
-
-/// Bounds of the weighted octaves over a box that is not cut further.
-Interval1 piece_bounds(const Box& p, const Fractal& fractal, int n) {
-    Interval1 sum(fractal.constant);
-    Box slopes;  // of the resolved octaves together, per unit of p
-    double slack = 0;
-    for (const Octave& octave : fractal.octaves) {
-        const double most = octave.weight * kPerlinRange[n];
-        Box box;
-        for (int i = 0; i < n; ++i)
-            box[i] = p[i] * octave.frequency;
-        bool whole = !resolved(box, n);
-        if (!whole) {
-            const Box gradient = gradient_range(box, n);
-            std::array<float, 3> center{};
-            double reach = 0, error = 0;
-            for (int i = 0; i < n; ++i) {
-                center[i] = static_cast<float>(0.5 * (box[i].lo + box[i].hi));
-                reach += 0.5 * box[i].width() * gradient[i].magnitude();
-                error += gradient[i].magnitude() * 4 * kIntervalRounding * box[i].magnitude();
-            }
-            const double value = perlin_at(center, n);
-            whole = reach + error > kPerlinRange[n];
-            if (!whole) {
-                sum = {sum.lo + octave.weight * value, sum.hi + octave.weight * value};
-                slack += octave.weight * error;
-                for (int i = 0; i < n; ++i) {
-                    const double w = octave.weight * octave.frequency;
-                    const Interval1 g = w < 0 ? -gradient[i] : gradient[i];
-                    slopes[i] = {slopes[i].lo + std::fabs(w) * g.lo, slopes[i].hi + std::fabs(w) * g.hi};
-                }
-            }
-        }
-        if (whole)
-            sum = {sum.lo - most, sum.hi + most};
-    }
-    for (int i = 0; i < n; ++i)
-        slack += 0.5 * p[i].width() * slopes[i].magnitude();
-    return rounded({sum.lo - slack, sum.hi + slack}, 4 * fractal.scale);
+    return range;
 }
 
 /// Bounds of the weighted octaves over a box.
-Interval1 fractal_bounds(const Box& p, const Fractal& fractal, int n) {
-    std::array<int, 3> pieces{1, 1, 1};
-    double edge = 0;
-    for (int i = 0; i < n; ++i)
-        edge = std::max(edge, p[i].width());
-    if (edge <= kLargestCut) {
-        for (int i = 0; i < n; ++i)
-            pieces[i] = std::max(1, static_cast<int>(std::ceil(p[i].width() / kPiece)));
+Interval1 fractal_bounds(const Box& box, const Fractal& fractal, int n) {
+    double edge = 0, place = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+        edge = std::max(edge, box[i].width());
+        place += box[i].magnitude();
     }
-    std::optional<Interval1> value;
-    for (int z = 0; z < pieces[2]; ++z) {
-        for (int y = 0; y < pieces[1]; ++y) {
-            for (int x = 0; x < pieces[0]; ++x) {
-                const int place[] = {x, y, z};
-                Box piece;
-                for (int i = 0; i < n; ++i) {
-                    const auto cut = [&](int k) {
-                        return k == pieces[i] ? p[i].hi : p[i].lo + p[i].width() * k / pieces[i];
-                    };
-                    piece[i] = {cut(place[i]), cut(place[i] + 1)};
-                }
-                const Interval1 bounds = piece_bounds(piece, fractal, n);
-                value = value ? join(*value, bounds) : bounds;
-            }
+    std::vector<Octave> octaves;  // those that samples resolve
+    double excess = 0;
+    const Lattice lattice = lattice_for(box, fractal, n);
+    for (const Octave& octave : fractal.octaves) {
+        const double farthest = place * std::fabs(static_cast<double>(octave.frequency));
+        if (edge > kLargestSampled || farthest >= kPeriod || !lattice.resolves(octave, n)) {
+            excess += octave.weight * kPerlinRange[n];
+            continue;
         }
+        octaves.push_back(octave);
+        // Coordinates are rounded, here and where the program runs.
+        excess +=
+            octave.weight * (lattice.excess(octave, n) + kPerlinSlope[n] * kIntervalRounding * farthest);
     }
-    return *value;
+    const Interval1 range = octaves.empty() ? Interval1(0) : sampled(box, lattice, octaves, n);
+    return rounded({range.lo + fractal.constant - excess, range.hi + fractal.constant + excess},
+                   4 * fractal.scale);
 }
 
 Box moved(const Box& p, Vec3f by) {

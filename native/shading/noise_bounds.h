@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bounds of Blender's fractal noise over a box.
 //
-// An octave that the box resolves is enclosed by the mean value theorem: its value at the centre, and the
-// range of its gradient over the box times the box's half size; gradients of several octaves are added before
-// that, since the point is the same in all. The gradient's range comes from the hashed gradients of the
-// lattice cells that the box meets. Coarser boxes are cut into smaller ones; octaves finer than a box get
-// their whole range.
+// The noise is sampled on a lattice inside the box. Between samples it can rise above all of them by no more
+// than trilinear interpolation errs: for a spacing s, s^2 / 8 times its largest second derivative, summed
+// over the axes. Perlin's noise with the quintic fade has continuous second derivatives with known bounds,
+// also across its cells. Octaves too fine for the lattice get their whole range.
 #pragma once
 
 #include "shading/noise.h"
@@ -13,8 +12,10 @@
 
 namespace nephele {
 
-/// Bounds of |perlin| in one, two and three dimensions. In three it exceeds 1 a little.
-inline constexpr double kPerlinRange[] = {0, 1.002, 1.002, 1.02};
+/// Bounds, in one, two and three dimensions, of Perlin's noise and of its first and second derivatives along
+/// an axis (magnitudes).
+inline constexpr double kPerlinRange[] = {0, 1.002, 1.002, 1.025}, kPerlinSlope[] = {0, 2.85, 3.25, 4},
+                        kPerlinCurvature[] = {0, 15.8, 12.5, 12.8};
 
 /// Bounds of noise_value or noise_color at any point of p; settings' intervals: detail, roughness and
 /// lacunarity.

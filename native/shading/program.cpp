@@ -139,6 +139,15 @@ Vec3f noise(const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
 // --- Groups of operations
 // ----------------------------------------------------------------------------------------
 
+Vec3f grid(const Step& step, Vec3f a) {
+    if (!step.point.volume)
+        return Vec3f(0);
+    // Far from the world's origin a position is coarse; a grid that is read at the point itself is not.
+    const Vec3f origin = step.context.origin;
+    const Vec3f p = a == step.point.p + origin ? step.point.p : a - origin;
+    return step.point.volume->value(step.instruction.mode, p, step.point.time);
+}
+
 Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
     const std::int32_t mode = step.instruction.mode;
     switch (op) {
@@ -155,9 +164,7 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
         case Op::checker_fac:
             return Vec3f(one_if(checker_is_odd(a * d.x)));
         case Op::grid:
-            return step.point.volume
-                       ? step.point.volume->value(mode, a - step.context.origin, step.point.time)
-                       : Vec3f(0);
+            return grid(step, a);
         case Op::noise:
             return noise(step, a, b, c, d);
         case Op::gradient:

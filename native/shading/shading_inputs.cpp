@@ -58,10 +58,11 @@ Vec3f window(const ShadingPoint& point, const TextureContext& context) {
     return {(p.x / depth - left) / (right - left), (p.y / depth - bottom) / (top - bottom), 0};
 }
 
-Vec3f object_input(Op op, const Instance& instance, const TextureContext& context) {
+Vec3f object_input(Op op, const ShadingPoint& point, const TextureContext& context) {
+    const Instance& instance = *point.instance;
     switch (op) {
         case Op::object_location:
-            return instance.world_from_object.translation + context.origin;
+            return instance.world_from_object_at(point.time).translation + context.origin;
         case Op::object_color:
             return {instance.color[0], instance.color[1], instance.color[2]};
         case Op::object_random:
@@ -92,7 +93,8 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
             return point.instance ? point.ns : point.wo;
         case Op::normal_object:
             return point.instance
-                       ? safe_normalize(point.instance->world_from_object.transposed_vector(point.ns))
+                       ? safe_normalize(
+                             point.instance->world_from_object_at(point.time).transposed_vector(point.ns))
                        : point.wo;
         case Op::geometric_normal:
             return point.instance ? point.ng : point.wo;
@@ -109,7 +111,7 @@ Vec3f shading_input(Op op, std::int32_t mode, const ShadingPoint& point, const T
         case Op::attribute_alpha:
             return attribute_of(mode, point, true);
         default:
-            return point.instance ? object_input(op, *point.instance, context) : Vec3f(0);
+            return point.instance ? object_input(op, point, context) : Vec3f(0);
     }
 }
 
@@ -142,10 +144,10 @@ Vec3f tangent_normal(Rgb color, float strength, std::int32_t uv_map, const Shadi
     const float area = u1 * v2 - u2 * v1;  // of the triangle in uv, signed: its sign is the map's handedness
     if (area == 0)
         return point.ns;
-    const Vec3f p0 = point.mesh->vertex(point.triangle, 0);
-    const Vec3f e1 = point.mesh->vertex(point.triangle, 1) - p0,
-                e2 = point.mesh->vertex(point.triangle, 2) - p0;
-    const Transform& world_from_object = point.instance->world_from_object;
+    const Vec3f p0 = point.mesh->vertex(point.triangle, 0, point.time);
+    const Vec3f e1 = point.mesh->vertex(point.triangle, 1, point.time) - p0,
+                e2 = point.mesh->vertex(point.triangle, 2, point.time) - p0;
+    const Transform world_from_object = point.instance->world_from_object_at(point.time);
     const Vec3f along_u = world_from_object.vector(e1 * v2 - e2 * v1),
                 along_v = world_from_object.vector(e2 * u1 - e1 * u2);
 

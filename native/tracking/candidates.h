@@ -113,7 +113,7 @@ class MajorantTrack {
         return walk_ ? walk_->point(t) : medium().bounds->index_from_world.point(segment_->ray.at(t));
     }
     VolumePoint world_point(float t) const {
-        return {segment_->ray.at(t), -segment_->ray.d, segment_->ray_kind};
+        return {segment_->ray.at(t), -segment_->ray.d, segment_->ray_kind, segment_->ray.time};
     }
 
     Interval interval_;

@@ -34,12 +34,10 @@ class March {
     /// Integral of what the majorant exceeds the minorant by, in the channel where that is most.
     double residual() const { return residual_; }
 
-    /// How many points an estimate takes: half of their equation 28, which suits our stratified points best.
-    /// The higher terms then rarely matter.
+    /// How many points an estimate takes (their equation 28): with them, few of the higher terms matter.
     int tuple_size() const {
         const double r = residual_;
-        return std::max(1,
-                        static_cast<int>(std::ceil(0.5 * std::cbrt((0.015 + r) * (0.65 + r) * (60.3 + r)))));
+        return std::max(1, static_cast<int>(std::ceil(std::cbrt((0.015 + r) * (0.65 + r) * (60.3 + r)))));
     }
 
     /// Minus the residual optical depth, estimated at n evenly spaced points of the residual majorant.

@@ -126,7 +126,7 @@ def scene(width=16, height=8, film_passes=("Combined",), volumes=(), **film):
     )
 
 
-def export_scene(depsgraph):
+def export_scene(depsgraph, *, engine=None):
     """A fake exporter: the film's size and the frame are the blend's, the rest is scene()'s."""
     import bpy
 

@@ -137,8 +137,3 @@ def test_stereoscopy_is_an_error(bpy, export):
     bpy.context.scene.render.use_multiview = True
     with pytest.raises(ExportError, match="stereoscopy"):
         export()
-
-
-def test_motion_blur_warns(bpy, export):
-    bpy.context.scene.render.use_motion_blur = True
-    assert any("motion blur" in text for text in export().warnings)

@@ -67,7 +67,6 @@ def test_shutter(bpy, cloud, export, position, expected):
     render.motion_blur_shutter, render.motion_blur_position = 0.5, position
     scene = export()
     assert scene.shutter == pytest.approx(expected)
-    assert any("motion blur of objects and the camera" in text for text in scene.warnings)
 
 
 def test_names_of_grids_that_are_not_there(cloud, export):

@@ -49,7 +49,7 @@ struct Field {
 };
 
 /// A field of n^3 voxels from the origin of index space, which is also the world's.
-inline Field field_of(int n, const Voxels& voxels) {
+inline Field field_of(int n, const Voxels& voxels, Accelerator accelerator = Accelerator::grid) {
     std::vector<float> values;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
@@ -61,7 +61,7 @@ inline Field field_of(int n, const Voxels& voxels) {
     field.grid = brick_grid_of_dense({0, 0, 0}, {n, n, n}, values.data(), 0, VoxelType::single_float);
     const CellBounds cells = CellBounds::of_grid(*field.grid, Filter::trilinear);
     field.bounds =
-        std::make_shared<MediumBounds>(MediumBounds{Majorants(cells, Accelerator::grid, 1.0f, true), {}});
+        std::make_shared<MediumBounds>(MediumBounds{Majorants(cells, accelerator, 1.0f, true), {}});
     return field;
 }
 

@@ -118,12 +118,75 @@ TEST(BrickGrid, StochasticLookupTakesTheUpperCornerExactlyWhereTheNumberIsBelowT
     }
 }
 
-TEST(BrickGrid, MeanOfStochasticLookupsIsTheTrilinearValue) {
-    // 50 points with fixed seeds; a bound of 6 standard errors false-alarms with probability 50 * 2e-9.
+/// Weight of the cubic B-spline centred on 0 at distance x (its textbook form).
+double cubic_b_spline(double x) {
+    x = std::fabs(x);
+    return x >= 2 ? 0 : x >= 1 ? (2 - x) * (2 - x) * (2 - x) / 6 : 2.0 / 3 - x * x + x * x * x / 2;
+}
+
+TEST_P(BrickGridOfType, NearestAndTricubicMatchTheirFormulasInDoublePrecision) {
+    const Dense dense(4, GetParam());
+    const auto grid = dense.grid(GetParam());
+    Rng rng(14);
+    for (int n = 0; n < 50000; ++n) {
+        Vec3f p;
+        for (int a = 0; a < 3; ++a) {
+            const auto i = static_cast<std::size_t>(a);
+            p[a] =
+                static_cast<float>(dense.corner[i] - 3) + rng.next() * static_cast<float>(dense.size[i] + 6);
+            if (n % 4 == a)
+                p[a] = std::floor(2 * p[a]) / 2;  // on voxel centres and between them, too
+        }
+        const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
+        double expected = 0;
+        for (int c = 0; c < 64; ++c) {
+            const int x = i - 1 + (c >> 4), y = j - 1 + (c >> 2 & 3), z = k - 1 + (c & 3);
+            expected += cubic_b_spline(double{p.x} - x) * cubic_b_spline(double{p.y} - y) *
+                        cubic_b_spline(double{p.z} - z) * double{dense.at(x, y, z)};
+        }
+        ASSERT_NEAR(double{grid->evaluate(Filter::tricubic, p)}, expected, 1e-6);
+        const auto nearest = [](float x) { return static_cast<int>(std::floor(double{x} + 0.5)); };
+        ASSERT_EQ(grid->evaluate(Filter::nearest, p), dense.at(nearest(p.x), nearest(p.y), nearest(p.z)));
+        ASSERT_EQ(grid->evaluate(Filter::trilinear, p), grid->trilinear(p));
+    }
+}
+
+TEST(BrickGrid, TricubicIsExactWhereVoxelsAreEqual) {
+    const float value = 0.1f;
+    const auto grid = BrickGridBuilder({}, value, VoxelType::single_float, 0).finish(0, {});
+    Rng rng(15);
+    for (int n = 0; n < 1000; ++n)
+        ASSERT_EQ(grid->tricubic(Vec3f(rng.next(), rng.next(), rng.next()) * 100), value);
+    for (const float x : {1e10f, -1e10f, 3e38f, kInfinity, -kInfinity})
+        ASSERT_EQ(grid->tricubic(Vec3f(x, 0.5f, 0.5f)), value);
+}
+
+TEST(Filter, TheCubicPicksEachVoxelInProportionToItsWeight) {
+    constexpr int kNumbers = 100000;  // evenly spaced, so that counts are off by the rounding of one or two
+    for (float f = 0; f <= 1; f += 0.0625f) {
+        int counts[4] = {};
+        for (int s = 0; s < kNumbers; ++s)
+            ++counts[pick_cubic_offset(f, (static_cast<float>(s) + 0.5f) / kNumbers) + 1];
+        for (int v = 0; v < 4; ++v)
+            ASSERT_NEAR(counts[v], kNumbers * cubic_b_spline(double{f} - (v - 1)), 2) << f << ' ' << v;
+    }
+}
+
+TEST(Filter, TheCubicsTopmostVoxelHasNoPartAtIntegers) {
+    EXPECT_EQ(pick_cubic_offset(0, 0), -1);
+    EXPECT_EQ(pick_cubic_offset(0, kOneMinusEpsilon), 1);
+    EXPECT_EQ(pick_cubic_offset(1, 0), 0);  // where p - floor(p) rounds to 1
+    EXPECT_EQ(pick_cubic_offset(1, kOneMinusEpsilon), 2);
+}
+
+TEST(BrickGrid, MeanOfStochasticLookupsIsTheFiltersValue) {
+    // 50 points and 3 filters with fixed seeds; a bound of 6 standard errors false-alarms with probability
+    // 150 * 2e-9.
     const Dense dense(7, VoxelType::single_float);
     const auto grid = dense.grid(VoxelType::single_float);
     Rng rng(13);
-    for (int n = 0; n < 50; ++n) {
+    for (int n = 0; n < 150; ++n) {
+        const Filter filter = std::array{Filter::nearest, Filter::trilinear, Filter::tricubic}[n % 3];
         Vec3f p;
         for (int a = 0; a < 3; ++a) {
             const auto i = static_cast<std::size_t>(a);
@@ -132,12 +195,12 @@ TEST(BrickGrid, MeanOfStochasticLookupsIsTheTrilinearValue) {
         double sum = 0, squares = 0;
         constexpr int kSamples = 20000;
         for (int s = 0; s < kSamples; ++s) {
-            const double v = double{grid->stochastic(p, Vec3f(rng.next(), rng.next(), rng.next()))};
+            const double v = double{grid->stochastic(filter, p, Vec3f(rng.next(), rng.next(), rng.next()))};
             sum += v;
             squares += v * v;
         }
         const double mean = sum / kSamples, variance = std::max(squares / kSamples - mean * mean, 0.0);
-        EXPECT_NEAR(mean, double{grid->trilinear(p)}, 6 * std::sqrt(variance / kSamples) + 1e-6);
+        EXPECT_NEAR(mean, double{grid->evaluate(filter, p)}, 6 * std::sqrt(variance / kSamples) + 1e-6);
     }
 }
 

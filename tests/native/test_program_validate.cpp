@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "surface_fixtures.h"
 #include "shading/program.h"
+#include "surface_fixtures.h"
 
 namespace nephele {
 namespace {

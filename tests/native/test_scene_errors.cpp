@@ -72,9 +72,7 @@ TEST(SceneErrors, BadCoefficientsAreNamed) {
     expect_words(with([](VolumeClosure& c) { c.sigma_s = {1, -1e-6f, 1}; }), {"the cloud", "negative"});
     expect_words(with([](VolumeClosure& c) { c.sigma_a = {kNan, 0, 0}; }), {"the cloud", "finite"});
     expect_words(with([](VolumeClosure& c) { c.emission = {0, 0, kInfinity}; }), {"the cloud", "finite"});
-    expect_words(complaint([](SceneSource& s) {
-                     s.world.volume.emplace_back().sigma_s = Rgb(-1);
-                 }),
+    expect_words(complaint([](SceneSource& s) { s.world.volume.emplace_back().sigma_s = Rgb(-1); }),
                  {"world", "negative"});
 }
 
@@ -103,16 +101,15 @@ TEST(SceneErrors, BadLampsCamerasAndProgramsAreNamed) {
 }
 
 TEST(SceneErrors, MissingVolumeFilesAreNamed) {
-    expect_words(
-        complaint([](SceneSource& s) {
-            VolumeSource v;
-            v.name = "smoke";
-            v.path = "/nowhere/smoke.vdb";
-            for (std::size_t i = 0; i < 16; ++i)
-                v.world_from_object[i] = i % 5 == 0 ? 1 : 0;
-            s.volumes.push_back(v);
-        }),
-        {"smoke", "/nowhere/smoke.vdb"});
+    expect_words(complaint([](SceneSource& s) {
+                     VolumeSource v;
+                     v.name = "smoke";
+                     v.path = "/nowhere/smoke.vdb";
+                     for (std::size_t i = 0; i < 16; ++i)
+                         v.world_from_object[i] = i % 5 == 0 ? 1 : 0;
+                     s.volumes.push_back(v);
+                 }),
+                 {"smoke", "/nowhere/smoke.vdb"});
 }
 
 TEST(SceneErrors, SingularTransformsAreRefused) {

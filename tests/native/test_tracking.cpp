@@ -41,9 +41,9 @@ struct Case {
     std::function<Line()> line;
 };
 
-Line grid_line(const Voxels& voxels, Rgb sigma_s, Rgb sigma_a) {
+Line grid_line(const Voxels& voxels, Rgb sigma_s, Rgb sigma_a, Accelerator accelerator = Accelerator::grid) {
     Line line(slanted());
-    line.add(sigma_s, sigma_a, 0, 50, field_of(kVoxels, voxels));
+    line.add(sigma_s, sigma_a, 0, 50, field_of(kVoxels, voxels, accelerator));
     return line;
 }
 
@@ -76,6 +76,11 @@ std::vector<Case> cases() {
              return grid_line(bumps, {0.3f, 0.1f, 0}, {0, 0.05f, 0.02f});
          }},
         {"spiky", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f)); }},
+        {"bumps_kdtree",
+         [] {
+             return grid_line(bumps, {0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, Accelerator::kdtree);
+         }},
+        {"spiky_kdtree", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f), Accelerator::kdtree); }},
         {"noisy_thin", [] { return grid_line(noisy, Rgb(1e-3f), Rgb(1e-3f)); }},
         {"noisy_dense", [] { return grid_line(noisy, Rgb(1.0f), Rgb(0.1f)); }},
         {"program",

@@ -5,8 +5,8 @@ around it."""
 
 import numpy as np
 import scipy.ndimage
+from assembler import Code, inside_box
 from nephele import description as d
-from programs import Code, inside_box
 
 
 def written(openvdb, path, values, origin, voxel):

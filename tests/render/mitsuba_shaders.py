@@ -3,8 +3,8 @@
 them: diffuse, checkerboard, dielectric, thin dielectric, environment map."""
 
 import numpy as np
+from assembler import Code
 from nephele import description as d
-from programs import Code
 from truth import diffuse, glass
 
 WATER, AIR = 1.333, 1.000277  # Mitsuba's refractive indices of these names

@@ -28,6 +28,7 @@ CASES = {
     "overlap": ("overlap/overlap.blend", (48, 48), 16, 64, BOUNCES),
     "overlap_dome": ("overlap/overlap_dome.blend", (48, 48), 12, 48, BOUNCES),
     "smoke": ("smoke/smoke.blend", (48, 64), 8, 32, BOUNCES),
+    "media": ("media/media.blend", (96, 64), 12, 24, BOUNCES),
     "cloud": ("cloud/cloud.blend", (64, 36), 8, 32, BOUNCES),
 }
 

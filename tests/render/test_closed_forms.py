@@ -12,8 +12,8 @@ False alarm: 5 standard errors, 6e-7 for each of about 60 numbers, and 1e-4 for 
 import numpy as np
 import pytest
 import scipy.integrate
+from assembler import Code, inside_box
 from nephele import description as d
-from programs import Code, inside_box
 from truth import (
     BOX_FILTER,
     NO_LIMIT,

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How to render: film, passes, settings.
+#include "bindings/attributes.h"
+#include "bindings/convert.h"
+
+namespace nephele::bindings {
+
+PassId pass_of(std::string_view name) {
+    for (int p = 0; p < kPassCount; ++p) {
+        if (name == kPasses[p].name || name == kPasses[p].identifier)
+            return static_cast<PassId>(p);
+    }
+    throw std::invalid_argument("no pass is called '" + std::string(name) + "'");
+}
+
+FilmSource film_source_of(nb::handle film) {
+    using Falloff = FilmSource::MistFalloff;
+    FilmSource out;
+    out.width = value<int>(film, "width");
+    out.height = value<int>(film, "height");
+    out.x1 = out.width;
+    out.y1 = out.height;
+    if (const nb::object crop = film.attr("crop"); !crop.is_none()) {
+        out.x0 = nb::cast<int>(crop[0]);
+        out.y0 = nb::cast<int>(crop[1]);
+        out.x1 = nb::cast<int>(crop[2]);
+        out.y1 = nb::cast<int>(crop[3]);
+    }
+    out.transparent = value<bool>(film, "transparent");
+    for (nb::handle pass : nb::borrow<nb::object>(film.attr("passes")))
+        out.passes.push_back(pass_of(nb::cast<std::string>(pass)));
+    const nb::object mist = film.attr("mist");
+    out.mist_start = nb::cast<float>(mist[0]);
+    out.mist_depth = nb::cast<float>(mist[1]);
+    const auto falloff = nb::cast<std::string>(mist[2]);
+    out.mist_falloff = falloff == "linear"      ? Falloff::linear
+                       : falloff == "quadratic" ? Falloff::quadratic
+                                                : Falloff::inverse_quadratic;
+    return out;
+}
+
+Settings settings_of(nb::handle settings) {
+    Settings out;
+    for (auto [key, item] : nb::cast<nb::dict>(settings)) {
+        const auto name = nb::cast<std::string>(key);
+        if (nb::isinstance<nb::str>(item)) {
+            set_field(out, name, std::string_view(nb::cast<std::string>(item)));
+        } else {
+            set_field(out, name, nb::cast<double>(nb::float_(nb::borrow(item))));
+        }
+    }
+    return out;
+}
+
+}  // namespace nephele::bindings
