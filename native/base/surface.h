@@ -53,6 +53,7 @@ struct BsdfSample {
     float pdf = 0;          ///< solid angle, of the whole mixture; unused where `specular`
     bool specular = false;  ///< the direction has a discrete probability: light sampling cannot find it
     std::uint32_t kind = kDiffuseRay;  ///< the scattered ray's kind
+    bool crosses = false;              ///< leaves on the side of the surface where wo is not
 };
 
 }  // namespace nephele

@@ -175,8 +175,8 @@ class Path {
         if (!sample || is_zero(sample->weight))
             return false;
         beta_ *= sample->weight;
-        const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
         if (sample->kind == 0) {  // straight through: no event
+            const Vec3f o = offset_point(point.p, -point.ng);
             const float step = length(o - ray_.o);
             travelled_ += step;
             ray_ = {o, ray_.d, 0, ray_.t_max - step, ray_.time};
@@ -187,7 +187,8 @@ class Path {
         if (first_ == First::none)
             first_ = First::surface;
         ++surface_bounces_;
-        return continue_from(o, sample->wi, point.p, sample->pdf, sample->specular, sample->kind);
+        const auto from = scene_.departure(point, sample->wi, sample->crosses);
+        return continue_from(from.o, sample->wi, from.vertex, sample->pdf, sample->specular, sample->kind);
     }
 
     void light_surface(const ShadingPoint& point, const Bsdf& bsdf) {
@@ -195,14 +196,14 @@ class Path {
         if (!direct)
             return;
         float pdf = 0;
-        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf);
+        bool crosses = false;
+        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf, crosses);
         if (is_zero(f))
             return;
         const First before = first_;
         if (first_ == First::none)
             first_ = First::surface;
-        add_direct(*direct, offset_point(point.p, dot(direct->light.wi, point.ng) > 0 ? point.ng : -point.ng),
-                   f, pdf);
+        add_direct(*direct, scene_.departure(point, direct->light.wi, crosses).o, f, pdf);
         first_ = before;
     }
 

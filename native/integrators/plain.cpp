@@ -157,10 +157,12 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         beta *= sample->weight[channel];
         if (beta == 0)
             break;
-        const Vec3f o = offset_point(point.p, dot(sample->wi, point.ng) > 0 ? point.ng : -point.ng);
-        ray = {o, sample->wi, 0, kInfinity, ray.time};
-        if (sample->kind == 0)
+        if (sample->kind == 0) {
+            ray = {offset_point(point.p, -point.ng), sample->wi, 0, kInfinity, ray.time};
             continue;
+        }
+        const Vec3f o = scene.departure(point, sample->wi, sample->crosses).o;
+        ray = {o, sample->wi, 0, kInfinity, ray.time};
         if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces)
             break;
         ++surface_bounces;

@@ -129,6 +129,12 @@ class Scene {
     void find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const;
 
     ShadingPoint shading_point(const Hit& hit, const Ray& ray, std::uint32_t ray_kind) const;
+    /// Where a ray leaves a surface: the vertex of the path, and the ray's origin a little off the surface.
+    struct Departure {
+        Vec3f vertex, o;
+    };
+    /// Where a ray along wi leaves the surface at `point`, on wo's side or, where it `crosses`, on the other.
+    Departure departure(const ShadingPoint& point, Vec3f wi, bool crosses) const;
     const Program* program_of(const ShadingPoint& point) const;
     const TextureContext& textures() const { return textures_; }
     /// Radiance of the background seen in direction d by rays of this kind.

@@ -42,31 +42,29 @@ void Bsdf::finish(Vec3f wo) {
         lobe(i).probability *= scale;
 }
 
-Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf) const {
+Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const {
     pdf = 0;
-    Rgb f;
+    crosses = false;
+    Rgb same_side, beyond;
     if (!has_smooth_)
-        return f;
-    // Reflection stays on wo's side of the face, transmission crosses it: a shading normal must not leak
-    // light.
-    const bool reflects = dot(wi, ng_) * dot(wo, ng_) > 0;
+        return same_side;
     for (int i = 0; i < count_; ++i) {
         const Lobe& l = lobe(i);
         const Vec3f local_wi = l.frame.to_local(wi);
-        if ((local_wi.z > 0) != reflects)
-            continue;
         const Vec3f local_wo = l.frame.to_local(wo);
         const LobeValue value =
             std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
-        f += l.weight * value.f;
+        (leaves_beyond(l, wi, local_wi.z) ? beyond : same_side) += l.weight * value.f;
         pdf += l.probability * value.pdf;
     }
-    return f;
+    // Lobes may disagree about a direction near the horizon: the greater share decides.
+    crosses = mean(beyond) > mean(same_side);
+    return same_side + beyond;
 }
 
 std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     if (lobe_u < transparent_probability_) {
-        return BsdfSample{-wo, transparency / transparent_probability_, 0, true, 0};
+        return BsdfSample{-wo, transparency / transparent_probability_, 0, true, 0, true};
     }
     float rest = lobe_u - transparent_probability_;
     const Lobe* chosen = nullptr;
@@ -88,18 +86,18 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     if (!drawn)
         return std::nullopt;
     const Vec3f wi = normalize(chosen->frame.to_world(drawn->wi));
-    if ((drawn->wi.z > 0) != (dot(wi, ng_) * dot(wo, ng_) > 0))
-        return std::nullopt;
     const bool specular = std::visit([](const auto& m) { return m.specular(); }, chosen->model);
     if (specular || count_ == 1) {
         const Rgb weight = chosen->weight * drawn->weight / chosen->probability;
-        return BsdfSample{wi, weight, chosen->probability * drawn->pdf, specular, drawn->kind};
+        return BsdfSample{wi,       weight,      chosen->probability * drawn->pdf,
+                          specular, drawn->kind, leaves_beyond(*chosen, wi, drawn->wi.z)};
     }
     float pdf;
-    const Rgb f = eval(wo, wi, pdf);
+    bool crosses;
+    const Rgb f = eval(wo, wi, pdf, crosses);
     if (!(pdf > 0))
         return std::nullopt;
-    return BsdfSample{wi, f / pdf, pdf, false, drawn->kind};
+    return BsdfSample{wi, f / pdf, pdf, false, drawn->kind, crosses};
 }
 
 Rgb Bsdf::albedo(Vec3f wo) const {
@@ -134,6 +132,9 @@ struct Inputs {
     Vec3f normal(int i) const {
         return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point);
     }
+    SeenInterface interface_of(int normal_input, int ior_input) const {
+        return seen_interface(normal(normal_input), eta(ior_input), point.wo);
+    }
     Vec3f bent(int i) const { return bent_normal(normal(i), point.ng, point.wo); }
 };
 
@@ -160,8 +161,7 @@ void add_glossy(Bsdf& bsdf, const Inputs& in) {
 }
 
 void add_glass(Bsdf& bsdf, const Inputs& in) {
-    const Vec3f n = in.bent(glass_input::normal);
-    const float eta = in.eta(glass_input::ior);
+    const auto [n, eta] = in.interface_of(glass_input::normal, glass_input::ior);
     const float roughness = in.unit(glass_input::roughness), mu = dot(n, in.point.wo);
     const Rgb color = in.color(glass_input::color);
     if (is_zero(color))
@@ -171,8 +171,7 @@ void add_glass(Bsdf& bsdf, const Inputs& in) {
 }
 
 void add_refraction(Bsdf& bsdf, const Inputs& in) {
-    const Vec3f n = in.bent(refraction_input::normal);
-    const float eta = in.eta(refraction_input::ior);
+    const auto [n, eta] = in.interface_of(refraction_input::normal, refraction_input::ior);
     const auto distribution =
         in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
     const float roughness = in.unit(refraction_input::roughness), mu = dot(n, in.point.wo);

@@ -25,8 +25,9 @@ class Bsdf {
 
     /// f |cos| summed over the smooth lobes. pdf: of sample() to return wi as a smooth sample, per solid
     /// angle; it holds the probability of choosing each smooth lobe among all lobes, specular and
-    /// straight-through ones included.
-    Rgb eval(Vec3f wo, Vec3f wi, float& pdf) const;
+    /// straight-through ones included. crosses: whether wi leaves on the other side of the surface than wo;
+    /// see leaves_beyond.
+    Rgb eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const;
 
     /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps
     /// its kind and has not bounced. Returns nothing where the chosen lobe absorbs.
@@ -50,7 +51,15 @@ class Bsdf {
     const Lobe& lobe(int i) const { return reinterpret_cast<const Lobe*>(storage_)[i]; }
     Lobe& lobe(int i) { return reinterpret_cast<Lobe*>(storage_)[i]; }
 
-    Vec3f ng_;
+    /// Whether a ray along wi leaves this lobe on the other side of the surface than wo. Light that is
+    /// reflected or diffused stays on the side that the lobe's normal says, wherever wi points; its ray may
+    /// then meet the face once more (scene/departure.cpp). An interface between dielectrics lets light
+    /// through either way, so there wi's side of the face decides and nothing meets the face twice.
+    bool leaves_beyond(const Lobe& lobe, Vec3f wi, float local_z) const {
+        return std::holds_alternative<Dielectric>(lobe.model) ? dot(wi, ng_) < 0 : local_z < 0;
+    }
+
+    Vec3f ng_;  // on wo's side
     int count_ = 0;
     bool has_smooth_ = false;
     float transparent_probability_ = 0;

@@ -83,9 +83,10 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
     const float amount = p.unit(principled_input::transmission_weight);
     if (amount == 0)
         return weight;
-    const Vec3f n = p.normal(principled_input::normal);
-    const float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior,
-                eta = p.point.backfacing ? 1 / ior : ior;
+    const float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior;
+    const auto [n, eta] =
+        seen_interface(closure_normal(p.row.inputs[principled_input::normal], p.registers, p.point),
+                       p.point.backfacing ? 1 / ior : ior, p.point.wo);
     const Rgb tint = min(p.color(principled_input::specular_tint), Rgb(1));
     const Fresnel fresnel = Fresnel::dielectric(eta, tint * f0_from_ior(eta));
     const float roughness = p.unit(principled_input::roughness);
@@ -160,6 +161,10 @@ Dielectric make_dielectric(Distribution distribution, float roughness, float eta
     lobe.scale = compensation(reflected + transmitted, mean_reflected + mean_transmitted,
                               min(reflection_tint * F + transmission_tint * (Rgb(1) - F), Rgb(1)));
     return lobe;
+}
+
+SeenInterface seen_interface(Vec3f n, float eta, Vec3f wo) {
+    return dot(n, wo) < 0 ? SeenInterface{-n, 1 / eta} : SeenInterface{n, eta};
 }
 
 Vec3f bent_normal(Vec3f n, Vec3f ng, Vec3f wo) {

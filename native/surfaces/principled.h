@@ -19,6 +19,16 @@ Reflection make_reflection(Distribution distribution, float roughness, const Fre
 Dielectric make_dielectric(Distribution distribution, float roughness, float eta, const Fresnel& fresnel,
                            Rgb reflection_tint, Rgb transmission_tint, float mu);
 
+/// An interface between dielectrics on the side of its normal n. eta: ior beyond it / ior on that side.
+struct SeenInterface {
+    Vec3f n;
+    float eta;
+};
+/// The interface of shading normal n and eta as wo sees it. Where n faces away from wo, wo is beyond the
+/// smooth surface that n stands for, though not beyond the face, and sees it from its other side. Bending n
+/// towards wo instead would trap light inside.
+SeenInterface seen_interface(Vec3f n, float eta, Vec3f wo);
+
 /// The normal n, bent just so far that a mirror in it sends wo off above the surface of geometric normal ng.
 Vec3f bent_normal(Vec3f n, Vec3f ng, Vec3f wo);
 

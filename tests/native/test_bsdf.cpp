@@ -90,7 +90,8 @@ TEST(Bsdf, SmoothSamplesFollowTheMixtureDensity) {
                     },
                     [&](Vec3f wi) {
                         float pdf;
-                        bsdf.eval(point.wo, wi, pdf);
+                        bool crosses;
+                        bsdf.eval(point.wo, wi, pdf, crosses);
                         return static_cast<double>(pdf);
                     },
                     40000, 1);
@@ -118,7 +119,9 @@ TEST(Bsdf, WeightIsEvalOverDensity) {
                 if (drawn->specular)
                     continue;
                 float pdf;
-                const Rgb f = bsdf.eval(point.wo, drawn->wi, pdf);
+                bool crosses;
+                const Rgb f = bsdf.eval(point.wo, drawn->wi, pdf, crosses);
+                EXPECT_EQ(crosses, drawn->crosses) << p.name;
                 EXPECT_NEAR(drawn->pdf / pdf, 1, 2e-3) << p.name;
                 for (int c = 0; c < 3; ++c)
                     EXPECT_NEAR(drawn->weight[c], f[c] / pdf, 2e-3 * (1 + drawn->weight[c])) << p.name;
@@ -241,8 +244,10 @@ TEST(Bsdf, PrincipledLimits) {
         PrincipledInputs{.base_color = color, .roughness = 0.5f, .specular_ior_level = 0}.program();
     const Bsdf lambert = make_bsdf(&plain, point, kNoTextures);
     float pdf;
+    bool crosses;
     const Vec3f wi = at_angle(50, 70);
-    const Rgb f = lambert.eval(point.wo, wi, pdf);
+    const Rgb f = lambert.eval(point.wo, wi, pdf, crosses);
+    EXPECT_FALSE(crosses);
     EXPECT_NEAR(f.x, 0.9f * kInvPi * wi.z, 1e-6);
     EXPECT_NEAR(pdf, kInvPi * wi.z, 1e-6);
 
@@ -266,23 +271,52 @@ TEST(Bsdf, PrincipledLimits) {
     }
 }
 
-TEST(Bsdf, ShadingNormalsLeakNoLight) {
+/// Draws under shading normals anywhere on the viewer's side of the face.
+template <class Visit>
+void draw_under_any_normal(const Program& program, Visit&& visit) {
     Rng rng(8);
+    for (int i = 0; i < 2000; ++i) {
+        ShadingPoint point = point_seen_from(sample_cosine_hemisphere(rng.next2()));
+        point.ns = sample_cosine_hemisphere(rng.next2());
+        if (point.wo.z < 1e-3f || std::fabs(dot(point.ns, point.wo)) < 1e-3f)
+            continue;
+        const Bsdf bsdf = make_bsdf(&program, point, kNoTextures);
+        const float lobe_u = rng.next();
+        visit(point, bsdf.sample(point.wo, lobe_u, rng.next2()));
+    }
+}
+
+TEST(Bsdf, ReflectionNeverLeavesBeyondTheSurface) {
     for (const NamedProgram& p : mixtures()) {
-        for (int i = 0; i < 2000; ++i) {
-            ShadingPoint point = point_seen_from(sample_cosine_hemisphere(rng.next2()));
-            point.ns = sample_cosine_hemisphere(rng.next2());
-            if (point.wo.z < 1e-3f)
-                continue;
-            const Bsdf bsdf = make_bsdf(&p.program, point, kNoTextures);
-            const float lobe_u = rng.next();
-            const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
+        const bool dielectric = p.name.find("glass") != std::string::npos;
+        draw_under_any_normal(p.program, [&](const ShadingPoint&, const std::optional<BsdfSample>& drawn) {
             if (!drawn || drawn->kind == 0)
-                continue;
+                return;
             ASSERT_TRUE(is_finite(drawn->weight)) << p.name;
-            const bool crosses = drawn->wi.z * point.wo.z < 0;
-            EXPECT_EQ(crosses, drawn->kind == kTransmissionRay) << p.name;
-        }
+            if (!dielectric) {
+                EXPECT_EQ(drawn->crosses, drawn->kind == kTransmissionRay) << p.name;
+            }
+        });
+    }
+}
+
+TEST(Bsdf, ShadingNormalsLoseNoLight) {
+    const NamedProgram white[] = {
+        {"diffuse", ConstantProgram().add(ClosureKind::diffuse, {s(1), s(0), kNoNormal}).program},
+        {"translucent", ConstantProgram().add(ClosureKind::translucent, {s(1), kNoNormal}).program},
+        {"mirror", ConstantProgram().add(ClosureKind::glossy, {s(1), s(0), kNoNormal}).program},
+        {"glass", ConstantProgram().add(ClosureKind::glass, {s(1), s(0), s(1.5f), kNoNormal}).program},
+        {"clear", PrincipledInputs{.base_color = s(1), .roughness = 0, .transmission = 1}.program()},
+    };
+    for (const NamedProgram& p : white) {
+        draw_under_any_normal(p.program,
+                              [&](const ShadingPoint& point, const std::optional<BsdfSample>& drawn) {
+                                  ASSERT_TRUE(drawn) << p.name;
+                                  EXPECT_NEAR(drawn->weight.x, 1, 1e-4f) << p.name;
+                                  if (p.name == "glass" || p.name == "clear") {
+                                      EXPECT_EQ(drawn->crosses, dot(drawn->wi, point.ng) < 0) << p.name;
+                                  }
+                              });
     }
 }
 
