@@ -103,7 +103,7 @@ void Scene::add_meshes() {
             instance.motion = {};
         }
         const std::size_t before = regions_.size();
-        naming(instance.name, [&] { add_mesh_region(instance, closures); });
+        naming("object '" + instance.name + "'", [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)
             continue;
         region_of_instance_[i] = static_cast<std::uint32_t>(before);
