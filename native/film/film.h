@@ -24,6 +24,9 @@ struct PixelSample {
     float depth = 1e10f;
     float mist = 1;
     float cost = 0;
+    float vsp_target = 0;    ///< probability of scattering that this sample was given; 0 where none was
+    float vsp_achieved = 0;  ///< 1 where the path's first event was in a volume
+    float majorant_depth = 0;
 };
 
 class Film {
