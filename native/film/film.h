@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/vsp_record.h"
 #include "math/vec.h"
 #include "passes_table.h"
 
@@ -27,6 +28,7 @@ struct PixelSample {
     float vsp_target = 0;    ///< probability of scattering that this sample was given; 0 where none was
     float vsp_achieved = 0;  ///< 1 where the path's first event was in a volume
     float majorant_depth = 0;
+    VspRecord vsp;
 };
 
 class Film {

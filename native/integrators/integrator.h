@@ -7,6 +7,7 @@
 #include "film/film.h"
 #include "scene/scene.h"
 #include "tracking/free_flight.h"
+#include "tracking/vsp.h"
 
 namespace nephele {
 
@@ -23,6 +24,7 @@ struct SampleRequest {
     bool transmittance = false;
     bool features = false;  ///< depth, normal, albedo, mist
     bool transparent_film = false;
+    const VspGuide* guide = nullptr;  ///< of the pixel; none: camera rays are not guided
 };
 
 /// Traces one path from the camera.
