@@ -164,6 +164,12 @@ def median(runs, key):
     return statistics.median(run[key] for run in runs)
 
 
+def relative_cpu(runs, base):
+    """Returns the median over turns of the CPU seconds over those of `base` in the same turn: what else the
+    machine does slows down both."""
+    return statistics.median(run["cpu"] / other["cpu"] for run, other in zip(runs, base, strict=True))
+
+
 def fitting_samples(samples, cpu, budget):
     """Returns how many samples fit into `budget` CPU seconds if `samples` took `cpu`; at least 1."""
     return max(1, round(samples * budget / cpu))
@@ -194,8 +200,9 @@ def summary(row):
     base = medians(row["equal_samples"][DELTA])
     for config, runs in row["equal_samples"].items():
         own = medians(runs)
+        cost = relative_cpu(runs, row["equal_samples"][DELTA])
         for name, gain in (("relmse", "efficiency"), ("relmse_trimmed", "efficiency_trimmed")):
-            own[gain] = ratio(base[name] * base["cpu"], own[name] * own["cpu"])
+            own[gain] = ratio(base[name], own[name] * cost)
         result[config] = {"equal_samples": own}
     timed = row.get("equal_time", {}) | ({"Cycles": row["cycles"]} if "cycles" in row else {})
     base = medians(timed[DELTA]) if DELTA in timed else base

@@ -39,7 +39,8 @@ def scene_table(name, results):
         f"### {name} ({scene['wants']})",
         "",
         f"{width}x{height}, {options['samples']} samples at equal samples, {scene['bounces']} bounces, "
-        f"medians of {options['seeds']} seeds; delta tracking: {1000 * per_sample:.1f} ms CPU a sample of the image.",
+        f"medians of {options['seeds']} seeds.",
+        f"Delta tracking: {1000 * per_sample:.1f} ms CPU a sample of the image.",
         "",
         *HEADER,
     ]
@@ -53,7 +54,8 @@ def scene_table(name, results):
     lines += [
         "",
         f"The reference's own relMSE, {noise['relmse']:.2g} (trimmed {noise['relmse_trimmed']:.2g}), is "
-        "taken off; trimmed: without the worst 0.1 % of the pixels; bias: of the image's mean, with standard error.",
+        "taken off; trimmed: without the worst 0.1 % of the pixels; bias: of the image's mean, with its "
+        "standard error.",
     ]
     if uncertain:
         lines.append(f"Standard errors of trimmed relMSE: up to {100 * max(uncertain):.0f} %.")
