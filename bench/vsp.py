@@ -138,10 +138,17 @@ class Bench:
         ]
 
     def cycles_job(self, samples, seeds):
-        """Returns the cycles.Job of this scene."""
-        size, bounces = self.options.resolution, self.work.bounces
-        threads = self.options.threads
-        return cycles.Job(str(self.path), size, samples, seeds, bounces, threads=threads, pixel_filter="BOX")
+        """Returns the cycles.Job of this scene, with the light tree, as Cycles' users have it."""
+        return cycles.Job(
+            str(self.path),
+            self.options.resolution,
+            samples,
+            seeds,
+            self.work.bounces,
+            threads=self.options.threads,
+            pixel_filter="BOX",
+            light_tree=True,
+        )
 
     def run(self):
         """Returns everything measured in this scene as JSON values."""
