@@ -25,7 +25,7 @@ class Path {
           request_(request),
           sampler_(sampler),
           ws_(ws),
-          guiding_(settings, request.guide),
+          guiding_(settings, request.guide, ws.counters),
           ray_(ray) {}
 
     PixelSample trace() {
@@ -79,7 +79,7 @@ class Path {
         const bool gathers = settings_.vsp_gather && stream.weights.volume > 0;
         if (gathers)
             gather(stream);
-        const Flight flight = guiding_.decide(stream, beta_, distance, sampler_.rng(), ws_.counters);
+        const Flight flight = guiding_.decide(stream, beta_, distance, sampler_.rng());
         gathered_ = gathers && flight.event == Flight::Event::scattered;
         return flight;
     }

@@ -11,7 +11,8 @@ namespace nephele {
 
 class PrimaryGuiding {
   public:
-    PrimaryGuiding(const Settings& settings, const VspGuide* guide) : settings_(settings), guide_(guide) {}
+    PrimaryGuiding(const Settings& settings, const VspGuide* guide, const Counters& counters)
+        : settings_(settings), guide_(guide), start_(work(counters)) {}
 
     /// Whether camera rays are guided at all.
     bool active() const { return guide_ != nullptr; }
@@ -28,13 +29,13 @@ class PrimaryGuiding {
     }
 
     /// Decides between the stream's candidate and passing; updates beta. Emission is in the flight.
-    Flight decide(const Stream& stream, Rgb& beta, float distance, Rng& rng, const Counters& counters) {
+    Flight decide(const Stream& stream, Rgb& beta, float distance, Rng& rng) {
         Flight flight{Flight::Event::absorbed, stream.t, stream.emitted, stream.albedo};
         const VspWeights& w = stream.weights;
         const float before = record_.probability;  // of having passed so far
         const float p = volume_probability(settings_, *guide_, w);
         const bool scatters = p > 0 && rng.next() < p;
-        note(w.volume * before, w.surface * before, distance, counters);
+        note(w.volume * before, w.surface * before, distance);
         record_.transmittance *= w.passing_share;
         record_.majorant_depth += stream.majorant_depth;
         record_.scattered = scatters;
@@ -54,7 +55,7 @@ class PrimaryGuiding {
         const bool scattered = flight.event == Flight::Event::scattered;
         const float weight = flight.event == Flight::Event::absorbed ? 0 : mean(beta);
         // Weights and light of one sample alone have the right expectations; probabilities play no part.
-        note(scattered ? weight : 0, scattered ? 0 : weight, distance, ws.counters);
+        note(scattered ? weight : 0, scattered ? 0 : weight, distance);
         record_.transmittance *= scattered ? 0 : std::min(weight / before, 1e3f);
         record_.scattered = scattered;
         return flight;
@@ -87,12 +88,11 @@ class PrimaryGuiding {
         return out;
     }
 
-    void note(float volume_weight, float surface_weight, float distance, const Counters& counters) {
+    void note(float volume_weight, float surface_weight, float distance) {
         record_.known = true;
         record_.volume_weight += volume_weight;
         record_.surface_weight = surface_weight;
         record_.distance = distance;
-        start_ = work(counters);
     }
 
     /// Work so far, in density lookups; a ray costs about as much as kRay of them.
@@ -106,7 +106,7 @@ class PrimaryGuiding {
     const VspGuide* guide_;
     VspRecord record_;
     float passing_ = 1;  // probability of having passed so far
-    float start_ = 0;    // work before the decision
+    float start_ = 0;    // work before the path
 };
 
 }  // namespace nephele
