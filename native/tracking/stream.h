@@ -291,7 +291,7 @@ inline void StreamSampler::candidate(float t, float rate) {
 /// Russian roulette where what is still to come cannot matter against what was found, by what is known:
 /// unbiased, and it bounds the walk in dense media without a limit to its steps.
 inline bool StreamSampler::survives() {
-    constexpr float kNegligible = 0.02f;
+    constexpr float kNegligible = 0.1f;
     const float volume = guide_.volume_radiance * (lights_ ? lights_->largest() : 1);
     const float ahead = max_component(T_) * std::max(volume, guide_.surface_radiance);
     if (ahead == 0)

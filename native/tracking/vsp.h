@@ -68,8 +68,11 @@ inline float rate_scale(const Settings& settings, const VspGuide& guide, float d
         constexpr float kRoom = 2;
         return std::max(kRoom, depth_to_reach(guide.target) / depth);
     }
-    constexpr float kMostDepth = 4;  // more candidates cost more lookups than they save noise
-    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, 1.0f, 1e6f);
+    // Tight majorants leave nothing to resample: either a candidate takes all, or all passes. What matters
+    // behind is worth more candidates, which make the transmittance less noisy.
+    constexpr float kRoom = 4, kMostDepth = 4;  // more candidates cost more lookups than they save noise
+    const float room = 1 + kRoom * (1 - guide.target);
+    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, room, 1e6f);
 }
 
 }  // namespace nephele
