@@ -7,7 +7,6 @@ False alarm of a comparison: 2e-4 (see comparison.py); of a closed form 6e-7 for
 
 import itertools
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from nephele import description as d
 from nephele import opcodes, parameters
 from truth import (
     BOX_FILTER,
+    SCENES,
     Scene,
     assert_mean,
     box,
@@ -29,7 +29,7 @@ from truth import (
     placed,
 )  # fmt: skip
 
-MEDIA = Path(__file__).resolve().parents[2] / "blend_scenes" / "media" / "media.vdb"  # a ball of radius 0.5
+MEDIA = SCENES / "media" / "media.vdb"  # a ball of radius 0.5
 SKY = half_world((0.3, 0.5, 1.0), (0.2, 0.15, 0.1))
 SEEDS = 8
 
