@@ -18,6 +18,7 @@ GROUPS = (  # (group of parameters, label, closed at first), in the order shown
     ("sampling", "Sampling", False),
     ("paths", "Light Paths", False),
     ("volumes", "Volumes", False),
+    ("guiding", "Guiding", False),
     ("film", "Film", False),
     ("performance", "Performance", True),
     ("advanced", "Advanced", True),

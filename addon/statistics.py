@@ -92,7 +92,7 @@ def collect(scene, native, native_module, images, seconds, first_tile, context):
         "crop": film.crop,
         "samples": scene.settings["samples"],
         "samples_done": native["samples_done"],
-        "seconds": seconds | {"train": 0.0, "render_cpu": native["render_cpu_seconds"]},
+        "seconds": seconds | {"train": native["train_seconds"], "render_cpu": native["render_cpu_seconds"]},
         "first_tile_seconds": first_tile - seconds["blender_start"],
         "process_to_first_tile_seconds": first_tile,
         "peak_rss_bytes": peak_rss_bytes(),

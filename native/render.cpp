@@ -13,7 +13,26 @@ namespace nephele {
 namespace {
 
 constexpr int kTileSize = 32;
+constexpr const char* kLearnedAt = "vsp_learned_at";
 constexpr int kLargestPass = 16;  // samples per pixel between two looks at the clock's bigger picture
+
+/// Samples per pixel after the pass that starts at `done`. The guiding learns at powers of two, so a pass
+/// ends there: what a render learns does not depend on where it was interrupted.
+int next_target(int done, int samples) {
+    int power = 1;
+    while (power <= done && power <= samples)
+        power *= 2;
+    return std::min({done + std::clamp(done, 1, kLargestPass), power, samples});
+}
+
+bool is_power_of_two(int n) {
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+bool guides(const Settings& settings, const SceneFeatures& features) {
+    return settings.integrator == Settings::Integrator::path && features.media && settings.vsp_primary &&
+           settings.distance_sampling != Settings::DistanceSampling::delta;
+}
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point t) {
@@ -64,9 +83,12 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
     };
     request_.transmittance = any({PassId::transmittance});
+    request_.majorant_depth = any({PassId::majorant_optical_depth});
     request_.features =
         any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
     request_.transparent_film = frame_.transparent;
+    if (guides(settings_, scene_->features()))
+        guiding_.emplace(film_.width(), film_.height(), settings_);
 }
 
 Render::~Render() {
@@ -90,10 +112,12 @@ void Render::run() {
         tbb::task_arena arena(threads);
         int done = lowest_count();
         samples_done_ = done;
-        for (int size = 1; done < settings_.samples && !must_stop();
-             size = std::min(2 * size, kLargestPass)) {
-            const int target = std::min(done + size, settings_.samples);
-            arena.execute([&] { render_pass(target); });
+        while (done < settings_.samples && !must_stop()) {
+            arena.execute([&] {
+                if (guiding_ && is_power_of_two(done) && learned_at_ != done)
+                    learn();
+                render_pass(next_target(done, settings_.samples));
+            });
             done = lowest_count();
             samples_done_ = done;
         }
@@ -107,6 +131,14 @@ void Render::run() {
     statistics_.render_seconds = seconds_since(start_);
     state_ = end;
     finished_.notify_all();
+}
+
+void Render::learn() {
+    const auto begin = Clock::now();
+    guiding_->update();
+    learned_at_ = samples_done_;
+    const std::lock_guard lock(mutex_);
+    statistics_.train_seconds += seconds_since(begin);
 }
 
 bool Render::wait(double seconds) {
@@ -148,13 +180,23 @@ void Render::render_tile(int tile, int target) {
 
 void Render::render_pixel(int x, int y, int target, Workspace& ws) {
     const auto first = film_.count(x, y);
+    SampleRequest request = request_;
+    VspGuide guide;
+    if (guiding_) {
+        guide = guiding_->guide(x, y);
+        request.guide = &guide;
+    }
     for (std::uint32_t i = first; i < static_cast<std::uint32_t>(target) && !cancelled_; ++i) {
-        film_.add(x, y, take_sample(x, y, i, ws), settings_.film_exposure);
+        const PixelSample sample = take_sample(x, y, i, request, ws);
+        film_.add(x, y, sample, settings_.film_exposure);
+        if (guiding_)
+            guiding_->add(x, y, sample.vsp);
     }
     samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);
 }
 
-PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws) const {
+PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
+                                Workspace& ws) const {
     const int fx = x + frame_.x0, fy = y + frame_.y0;
     const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) +
                        static_cast<std::uint32_t>(fx);
@@ -166,12 +208,13 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, Workspace& ws
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
     const std::uint64_t lookups = ws.counters.density_lookups;
-    PixelSample s = kernel_(*scene_, settings_, request_, ray, sampler, ws);
+    PixelSample s = kernel_(*scene_, settings_, request, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
     s.mist = mist_at(s.depth);
     if (!is_finite(s.volume + s.surface)) {
         ++ws.nonfinite_samples;
         s.volume = s.surface = s.emission = Rgb(0);
+        s.vsp = {};
     }
     const float largest = max_component(s.volume + s.surface);
     if (settings_.clamp > 0 && largest > settings_.clamp) {
@@ -234,10 +277,23 @@ RenderStatistics Render::statistics() const {
     return statistics_;
 }
 
+std::map<std::string, std::vector<double>> Render::save() const {
+    auto saved = film_.save();
+    if (guiding_) {
+        guiding_->save(saved);
+        saved[kLearnedAt] = {static_cast<double>(learned_at_)};
+    }
+    return saved;
+}
+
 void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
     if (state_ != State::idle)
         throw std::logic_error("restore a checkpoint before the render starts");
     film_.restore(saved);
+    if (guiding_) {
+        guiding_->restore(saved);
+        learned_at_ = static_cast<int>(saved.at(kLearnedAt).at(0));
+    }
     std::uint64_t taken = 0;
     for (const double n : saved.at("sample_count"))
         taken += static_cast<std::uint64_t>(n);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "film/film.h"
+#include "guiding/vsp_buffer.h"
 #include "integrators/integrator.h"
 #include "scene/pixel_filter.h"
 #include "scene/scene.h"
@@ -31,6 +32,7 @@ struct RenderStatistics {
     std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0, bound_violations = 0;
     double render_seconds = 0;      ///< wall clock
     double render_cpu_seconds = 0;  ///< of all render threads
+    double train_seconds = 0;       ///< of render_seconds: learning between passes, wall clock
     double first_tile_seconds = 0;  ///< from start to the first finished tile, wall clock
 };
 
@@ -59,6 +61,8 @@ class Render {
     const Film& film() const { return film_; }
     const FilmSource& frame() const { return frame_; }
     RenderStatistics statistics() const;
+    /// The sums of film and guiding, for checkpoints.
+    std::map<std::string, std::vector<double>> save() const;
     /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do
     /// not fit.
     void restore(const std::map<std::string, std::vector<double>>& saved);
@@ -68,7 +72,9 @@ class Render {
     void render_pass(int target);
     void render_tile(int tile, int target);
     void render_pixel(int x, int y, int target, Workspace& ws);
-    PixelSample take_sample(int x, int y, std::uint32_t index, Workspace& ws) const;
+    PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
+                            Workspace& ws) const;
+    void learn();
     bool must_stop() const;
     int lowest_count() const;
     float mist_at(float depth) const;
@@ -80,6 +86,8 @@ class Render {
     PixelFilter filter_;
     SampleRequest request_;
     SampleFunction kernel_;
+    std::optional<VspBuffer> guiding_;
+    int learned_at_ = 0;  // samples per pixel when the guiding learned last
 
     std::thread thread_;
     std::atomic<State> state_{State::idle};

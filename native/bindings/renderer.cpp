@@ -93,6 +93,7 @@ class Renderer {
         out["build_seconds"] = build_seconds_;
         out["render_seconds"] = s.render_seconds;
         out["render_cpu_seconds"] = s.render_cpu_seconds;
+        out["train_seconds"] = s.train_seconds;
         out["first_tile_seconds"] = s.first_tile_seconds;
         out["embree_bytes"] = scene_->hierarchy_bytes();
         nb::list grids;
@@ -111,7 +112,7 @@ class Renderer {
 
     nb::dict checkpoint() const {
         nb::dict out;
-        for (auto& [name, values] : render_->film().save())
+        for (auto& [name, values] : render_->save())
             out[name.c_str()] = array(std::vector(values), {values.size()});
         return out;
     }

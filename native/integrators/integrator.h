@@ -7,6 +7,7 @@
 #include "film/film.h"
 #include "scene/scene.h"
 #include "tracking/free_flight.h"
+#include "tracking/vsp.h"
 
 namespace nephele {
 
@@ -21,8 +22,10 @@ struct Workspace {
 /// What a sample computes besides the radiance: only what some pass asks for.
 struct SampleRequest {
     bool transmittance = false;
+    bool majorant_depth = false;
     bool features = false;  ///< depth, normal, albedo, mist
     bool transparent_film = false;
+    const VspGuide* guide = nullptr;  ///< of the pixel; none: camera rays are not guided
 };
 
 /// Traces one path from the camera.

@@ -9,6 +9,7 @@
 #include "integrators/direct_light.h"
 #include "integrators/phase_mixture.h"
 #include "integrators/primary.h"
+#include "integrators/primary_guiding.h"
 
 namespace nephele {
 
@@ -19,11 +20,20 @@ class Path {
   public:
     Path(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
          PathSampler& sampler, Workspace& ws)
-        : scene_(scene), settings_(settings), request_(request), sampler_(sampler), ws_(ws), ray_(ray) {}
+        : scene_(scene),
+          settings_(settings),
+          request_(request),
+          sampler_(sampler),
+          ws_(ws),
+          guiding_(settings, request.guide, ws.counters),
+          ray_(ray) {}
 
     PixelSample trace() {
         while (extend()) {
         }
+        out_.vsp_achieved = first_ == First::volume;
+        if (guiding_.active())
+            guiding_.finish(out_.volume - undecided_, out_.surface, ws_.counters, out_);
         return out_;
     }
 
@@ -44,8 +54,7 @@ class Path {
             if (request_.features && first_ == First::none && hit.valid())
                 record_surface(scene_, shading(hit), out_, recorded_);
             if (!ws_.segment.empty()) {
-                const Flight flight =
-                    sample_flight(ws_.segment, ws_.tracking, settings_, beta_, sampler_.rng(), ws_.counters);
+                const Flight flight = fly(end);
                 add_volume_emission(flight.emitted);
                 if (flight.event == Flight::Event::absorbed)
                     return false;
@@ -58,6 +67,32 @@ class Path {
         if (!hit.valid())
             return escape();
         return meet_surface(shading(hit));
+    }
+
+    /// The flight through the segment's media, whose ray ends after `distance`.
+    Flight fly(float distance) {
+        if (kind_ != kCameraRay || !guiding_.active())
+            return sample_flight(ws_.segment, ws_.tracking, settings_, beta_, sampler_.rng(), ws_.counters);
+        if (!guiding_.resamples())
+            return guiding_.normalized_flight(beta_, distance, sampler_, ws_);
+        const Stream stream = guiding_.walk(scene_, beta_, sampler_, ws_);
+        const bool gathers = settings_.vsp_gather && stream.weights.volume > 0;
+        if (gathers)
+            gather(stream);
+        const Flight flight = guiding_.decide(stream, beta_, distance, sampler_.rng());
+        gathered_ = gathers && flight.event == Flight::Event::scattered;
+        return flight;
+    }
+
+    /// Takes direct light at a stream's candidate, wherever the path goes.
+    void gather(const Stream& stream) {
+        const Rgb beta = beta_, before = out_.volume;
+        beta_ = stream.volume;
+        first_ = First::volume;
+        light_volume(ray_.at(stream.t), PhaseMixture(ws_.tracking.shares, beta_));
+        first_ = First::none;
+        beta_ = beta;
+        undecided_ += out_.volume - before;
     }
 
     /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same
@@ -146,11 +181,9 @@ class Path {
         if (bounces_ > settings_.max_bounces || volume_bounces_ > settings_.volume_bounces)
             return false;
         const PhaseMixture phase(ws_.tracking.shares, beta_);
-        if (const auto direct = sample_direct(scene_, p, kVolumeRay, bounces_, sampler_)) {
-            float pdf = 0;
-            const Rgb f = phase.eval(wo, direct->light.wi, pdf);
-            add_direct(*direct, p, f, pdf);
-        }
+        if (!gathered_)
+            light_volume(p, phase);
+        gathered_ = false;
         const Vec2f u = sampler_.next2();
         const Vec3f wi = phase.sample(wo, ws_.tracking.shares.size() > 1 ? sampler_.rng().next() : 0, u);
         float pdf = 0;
@@ -158,6 +191,15 @@ class Path {
         beta_ *= f / pdf;
         ++volume_bounces_;
         return continue_from(p, wi, p, pdf, false, kVolumeRay);
+    }
+
+    void light_volume(Vec3f p, const PhaseMixture& phase) {
+        const auto direct = sample_direct(scene_, p, kVolumeRay, bounces_, sampler_);
+        if (!direct)
+            return;
+        float pdf = 0;
+        const Rgb f = phase.eval(-ray_.d, direct->light.wi, pdf);
+        add_direct(*direct, p, f, pdf);
     }
 
     bool meet_surface(const ShadingPoint& point) {
@@ -232,6 +274,8 @@ class Path {
         if (is_zero(emitted))
             return;
         (first_ == First::surface ? out_.surface : out_.volume) += emitted;
+        if (first_ == First::none)
+            undecided_ += emitted;
         if (bounces_ == 0)
             out_.emission += emitted;
     }
@@ -262,6 +306,7 @@ class Path {
     const SampleRequest& request_;
     PathSampler& sampler_;
     Workspace& ws_;
+    PrimaryGuiding guiding_;
 
     Ray ray_;
     std::uint32_t kind_ = kCameraRay;
@@ -276,6 +321,8 @@ class Path {
     float previous_pdf_ = 0;
     bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
     bool primary_done_ = false, recorded_ = false;
+    bool gathered_ = false;  // direct light was taken at the segment's candidate
+    Rgb undecided_;          // light of the volume that no decision had a part in
     PixelSample out_;
 };
 

@@ -9,7 +9,7 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
                    std::shared_ptr<const EnvironmentLight> world)
     : lamps_(std::move(lamps)), meshes_(std::move(meshes)), world_(std::move(world)) {
     std::vector<std::uint32_t> finite;
-    std::vector<LightBounds> bounds;
+    std::vector<LightBounds>& bounds = near_;
     for (std::uint32_t i = 0; i < lamps_.size(); ++i) {
         if (is_zero(lamps_[i].power()))
             continue;
@@ -29,6 +29,8 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
     if (world_ && !world_->black())
         direct_.push_back(world_number());
 
+    for (const std::uint32_t i : direct_)
+        distant_ += importance(i, Vec3f());
     if (finite.size() > kListSize) {
         tree_ = LightTree(finite, bounds);
         in_tree_.assign(size(), false);
@@ -53,6 +55,13 @@ float LightSet::importance(std::uint32_t light, Vec3f p) const {
             return world_->importance();
     }
     return 0;
+}
+
+float LightSet::fluence(Vec3f p) const {
+    float sum = tree_.importance(p);
+    for (const std::uint32_t light : direct_)
+        sum += importance(light, p);
+    return sum;
 }
 
 std::optional<std::uint32_t> LightSet::select(Vec3f p, float u, float& probability) const {

@@ -51,6 +51,13 @@ class LightSet {
     /// Probability with which `select` returns this light at p.
     float selection_pdf(Vec3f p, std::uint32_t light) const;
 
+    /// Estimate of the fluence rate at p from all lights, nothing in the way, W/m^2.
+    float fluence(Vec3f p) const;
+    /// The part of it that suns and the world bring everywhere.
+    float distant_fluence() const { return distant_; }
+    /// Where the lights of finite size are, in no order.
+    const std::vector<LightBounds>& near_lights() const { return near_; }
+
     /// Calls found(number, LightHit) for every lamp that the ray meets in [t_min, t_max], in no order. Lamps
     /// do not block rays. Mesh lights and the world are found by tracing.
     template <typename Found>
@@ -65,6 +72,8 @@ class LightSet {
     std::vector<std::uint32_t> direct_;    // lights weighed one by one
     std::vector<std::uint32_t> hittable_;  // the lamps among them that rays can hit
     LightTree tree_;                       // the other ones
+    std::vector<LightBounds> near_;        // of the lights of finite size
+    float distant_ = 0;
     std::vector<bool> in_tree_;
 };
 

@@ -132,13 +132,11 @@ class MajorantTrack {
     float piece_end_, unit_, majorant_ = 0, minorant_ = 0;
 };
 
-/// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
-/// events (candidates and piece ends), `candidate(t, majorant, tracks)` for every candidate; it returns false
-/// to stop. The rate at t is the sum of the majorants of the tracks that are active at t.
-template <class Piece, class Candidate>
-void for_each_candidate(std::vector<MajorantTrack>& tracks, float t, Rng& rng, Piece&& piece,
-                        Candidate&& candidate) {
-    float tau = rng.next_exponential();
+/// Walks the pieces of several overlapping intervals from t on. `piece(t0, t1, majorant)` is called for every
+/// stretch on which the tracks and their bounds stay the same, with the sum of the majorants of the tracks
+/// that are active there; it returns false to stop. The last t1 may be infinite.
+template <class Piece>
+void for_each_piece(std::vector<MajorantTrack>& tracks, float t, Piece&& piece) {
     for (;;) {
         float end = kInfinity, majorant = 0;
         bool any = false;
@@ -158,22 +156,34 @@ void for_each_candidate(std::vector<MajorantTrack>& tracks, float t, Rng& rng, P
             any = true;
             ++i;
         }
-        if (!any)
-            return;
-        while (majorant * (end - t) > tau) {
-            const float at = std::min(t + tau / majorant, end);
-            piece(t, at);
-            t = at;
-            tau = rng.next_exponential();
-            if (!candidate(t, majorant, tracks))
-                return;
-        }
-        piece(t, end);
-        if (end == kInfinity)
-            return;  // nothing is left that could end the ray
-        tau -= majorant > 0 ? majorant * (end - t) : 0;
+        if (!any || !piece(t, end, majorant) || end == kInfinity)
+            return;  // beyond infinity nothing is left that could end the ray
         t = end;
     }
+}
+
+/// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
+/// events (candidates and piece ends), `candidate(t, rate, tracks)` for every candidate; it returns false to
+/// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t.
+/// `next_depth()` draws the optical depth to the next candidate: exponential of rate 1 for a Poisson process.
+template <class NextDepth, class Piece, class Candidate>
+void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float scale, NextDepth&& next_depth,
+                        Piece&& piece, Candidate&& candidate) {
+    float tau = next_depth();
+    for_each_piece(tracks, start, [&](float t, float end, float majorant) {
+        const float rate = majorant * scale;
+        while (rate * (end - t) > tau) {
+            const float at = std::min(t + tau / rate, end);
+            piece(t, at);
+            t = at;
+            tau = next_depth();
+            if (!candidate(t, rate, tracks))
+                return false;
+        }
+        piece(t, end);
+        tau -= rate > 0 ? rate * (end - t) : 0;
+        return true;
+    });
 }
 
 }  // namespace nephele

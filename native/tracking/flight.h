@@ -24,6 +24,7 @@ struct Flight {
 struct TrackingScratch {
     std::vector<MajorantTrack> tracks;
     std::vector<ScatterShare> shares;  ///< filled where a flight scatters
+    std::vector<ScatterShare> picked;  ///< those of a stream's pick so far
     std::vector<Interval> absorbers;   ///< constant media that only absorb: these have a closed form
 
     /// `analog`: absorbers are tracked like the others.
@@ -161,7 +162,8 @@ Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, Rgb
         if (!is_zero(emitted))
             flight.emitted += beta * emitted;
     };
-    for_each_candidate(scratch.tracks, segment.ray.t_min, rng, gather,
+    const auto next_depth = [&] { return rng.next_exponential(); };
+    for_each_candidate(scratch.tracks, segment.ray.t_min, 1, next_depth, gather,
                        [&](float t, float majorant, const auto&) {
                            if (const auto end = escape_deep_media(scratch, t, beta, rng)) {
                                gather(t, *end);

@@ -95,6 +95,7 @@ class Renderer:
             "build_seconds": 0.0,
             "render_seconds": self.seconds,
             "render_cpu_seconds": self.seconds,
+            "train_seconds": 0.0,
             "first_tile_seconds": 0.001,
             "grids": [],
         }

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "guiding/pool.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+namespace nephele {
+
+namespace {
+
+constexpr int kLevels = 5;           // the widest reaches 62 pixels
+constexpr float kEnoughSamples = 8;  // at this effective number half of the trust is given
+constexpr float kSpline[3] = {1.0f, 2.0f / 3, 1.0f / 6};
+
+struct Image {
+    int width, height;
+    std::span<const float> feature;
+
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+    float similarity(std::size_t a, std::size_t b) const {
+        if (feature.empty())
+            return 1;
+        const float difference = (feature[a] - feature[b]) * 10, d2 = difference * difference;
+        return 1 / (1 + d2 * d2);
+    }
+};
+
+BranchSums widened(const Image& image, const std::vector<BranchSums>& sums, int x, int y, int step) {
+    BranchSums out;
+    const std::size_t centre = image.index(x, y);
+    for (int j = -2; j <= 2; ++j) {
+        const int v = y + j * step;
+        if (v < 0 || v >= image.height)
+            continue;
+        for (int i = -2; i <= 2; ++i) {
+            const int u = x + i * step;
+            if (u < 0 || u >= image.width)
+                continue;
+            const std::size_t other = image.index(u, v);
+            const float w = kSpline[std::abs(i)] * kSpline[std::abs(j)] * image.similarity(centre, other);
+            const BranchSums& s = sums[other];
+            out.weight += w * s.weight;
+            out.light += w * s.light;
+            out.light2 += w * w * s.light2;
+            out.cost += w * s.cost;
+            out.taken += w * s.taken;
+        }
+    }
+    return out;
+}
+
+/// How many samples of equal size would say as much.
+float effective_samples(const BranchSums& s) {
+    return s.light2 > 0 ? std::min(s.light * s.light / s.light2, s.taken) : s.taken;
+}
+
+/// Adds a level's estimates to the pixel's; `rest`: trust not yet given.
+void blend(const BranchSums& s, bool last, Pooled& out, float& rest) {
+    const float n = effective_samples(s);
+    const float trust = last ? rest : rest * n / (n + kEnoughSamples);
+    if (s.weight > 0)
+        out.light += trust * s.light / s.weight;
+    if (s.taken > 0)
+        out.cost += trust * s.cost / s.taken;
+    if (s.weight > 0 && s.taken > 0)
+        rest -= trust;
+}
+
+}  // namespace
+
+std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums,
+                         std::span<const float> feature) {
+    const Image image{width, height, feature};
+    std::vector<Pooled> out(sums.size());
+    std::vector<float> rest(sums.size(), 1.0f);
+    std::vector<BranchSums> wider(sums.size());
+    for (int level = 0; level <= kLevels; ++level) {
+        tbb::parallel_for(0, height, [&](int y) {
+            for (int x = 0; x < width; ++x) {
+                const std::size_t i = image.index(x, y);
+                blend(sums[i], level == kLevels, out[i], rest[i]);
+                if (level < kLevels)
+                    wider[i] = widened(image, sums, x, y, 1 << level);
+            }
+        });
+        sums.swap(wider);
+    }
+    // Where nothing was known at the widest level some trust is left over: it goes to what was known.
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float given = 1 - rest[i];
+        if (given > 0) {
+            out[i].light /= given;
+            out[i].cost /= given;
+        }
+    }
+    return out;
+}
+
+}  // namespace nephele

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pooling of sparse, heavy-tailed statistics over the image: each pixel gets an estimate from as few pixels
+// around it as say enough.
+//
+// Sums are widened level by level (a-trous B3 spline kernels; Dammertz, Sewtz, Hanika, Lensch, HPG 2010), not
+// across edges of a feature. A level's ratio is trusted as far as its effective number of samples goes,
+// (sum x)^2 / sum x^2 (Kish 1965), which one firefly cannot raise; the rest of the trust goes to the next
+// wider level. With few samples that is a wide average, with many the pixel's own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace nephele {
+
+/// Sums over samples of one branch (volume or surface) of a pixel.
+struct BranchSums {
+    float weight = 0;  ///< the branch's weights, taken or not
+    float light = 0;   ///< radiance, or its square, times weight
+    float light2 = 0;  ///< squares of these
+    float cost = 0, taken = 0;
+};
+
+/// Estimates for one pixel.
+struct Pooled {
+    float light = 0;  ///< per unit of weight
+    float cost = 0;   ///< per sample that took the branch
+};
+
+/// `sums`, `feature`: of width x height pixels. Differences of the feature well below 0.1 are none, well
+/// above are edges; empty: there are no edges. Never NaN: without any sample the light is 0.
+std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums, std::span<const float> feature);
+
+}  // namespace nephele

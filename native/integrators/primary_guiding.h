@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guiding of camera rays: samples their segments by what the pixel has learned, and notes what the path
+// teaches about it.
+#pragma once
+
+#include "integrators/integrator.h"
+#include "tracking/nds.h"
+#include "tracking/stream.h"
+
+namespace nephele {
+
+class PrimaryGuiding {
+  public:
+    PrimaryGuiding(const Settings& settings, const VspGuide* guide, const Counters& counters)
+        : settings_(settings), guide_(guide), start_(work(counters)) {}
+
+    /// Whether camera rays are guided at all.
+    bool active() const { return guide_ != nullptr; }
+    bool resamples() const { return settings_.distance_sampling == Settings::DistanceSampling::vspg; }
+
+    /// Walks ws.segment. beta: throughput at its start.
+    Stream walk(const Scene& scene, Rgb beta, PathSampler& sampler, Workspace& ws) const {
+        std::optional<LightEstimate> lights;
+        if (settings_.vsp_product)
+            lights = light_estimate(scene.lights(), ws.segment, sampler.rng());
+        StreamSampler stream(ws.segment, ws.tracking, settings_, *guide_, lights ? &*lights : nullptr,
+                             sampler.rng(), ws.counters);
+        return stream.run(beta);
+    }
+
+    /// Decides between the stream's candidate and passing; updates beta. Emission is in the flight.
+    Flight decide(const Stream& stream, Rgb& beta, float distance, Rng& rng) {
+        Flight flight{Flight::Event::absorbed, stream.t, stream.emitted, stream.albedo};
+        const VspWeights& w = stream.weights;
+        const float before = record_.probability;  // of having passed so far
+        const float p = volume_probability(settings_, *guide_, w);
+        const bool scatters = p > 0 && rng.next() < p;
+        note(w.volume * before, w.surface * before, distance);
+        record_.transmittance *= w.passing_share;
+        record_.majorant_depth += stream.majorant_depth;
+        record_.scattered = scatters;
+        record_.probability = before * (scatters ? p : 1 - p);
+        passing_ *= 1 - p;
+        beta = scatters ? stream.volume / p : stream.surface / (1 - p);
+        if (!is_zero(beta))
+            flight.event = scatters ? Flight::Event::scattered : Flight::Event::passed;
+        return flight;
+    }
+
+    /// Samples the segment by NDS or NDS+; updates beta.
+    Flight normalized_flight(Rgb& beta, float distance, PathSampler& sampler, Workspace& ws) {
+        const float before = mean(beta);
+        const Flight flight =
+            nds_flight(ws.segment, ws.tracking, settings_, *guide_, beta, sampler.rng(), ws.counters);
+        const bool scattered = flight.event == Flight::Event::scattered;
+        const float weight = flight.event == Flight::Event::absorbed ? 0 : mean(beta);
+        // Weights and light of one sample alone have the right expectations; probabilities play no part.
+        note(scattered ? weight : 0, scattered ? 0 : weight, distance);
+        record_.transmittance *= scattered ? 0 : std::min(weight / before, 1e3f);
+        record_.scattered = scattered;
+        return flight;
+    }
+
+    /// What the path taught, once it has ended. volume, surface: light of either branch that the decision
+    /// had a part in.
+    void finish(Rgb volume, Rgb surface, const Counters& counters, PixelSample& out) {
+        record_.light = mean(record_.scattered ? volume : surface);
+        record_.cost = work(counters) - start_;
+        out.vsp = record_;
+        const bool conditional = settings_.vsp_control == Settings::VspControl::conditional && resamples();
+        out.vsp_target = conditional ? 1 - passing_ : record_.known ? guide_->target : 0;
+    }
+
+  private:
+    static std::optional<LightEstimate> light_estimate(const LightSet& lights, const Segment& segment,
+                                                       Rng& rng) {
+        constexpr std::size_t kMostLights = 64;  // more are not worth a look at each for every ray
+        if (lights.near_lights().empty() || lights.near_lights().size() > kMostLights)
+            return std::nullopt;
+        float t0 = kInfinity, t1 = 0;
+        for (const Interval& i : segment.intervals) {
+            t0 = std::min(t0, i.t0);
+            t1 = std::max(t1, i.t1);
+        }
+        std::optional<LightEstimate> out(std::in_place, lights, segment.ray, t0, t1, rng);
+        if (!out->pays())
+            out.reset();
+        return out;
+    }
+
+    void note(float volume_weight, float surface_weight, float distance) {
+        record_.known = true;
+        record_.volume_weight += volume_weight;
+        record_.surface_weight = surface_weight;
+        record_.distance = distance;
+    }
+
+    /// Work so far, in density lookups; a ray costs about as much as kRay of them.
+    static float work(const Counters& counters) {
+        constexpr double kRay = 8;
+        return static_cast<float>(static_cast<double>(counters.density_lookups) +
+                                  kRay * static_cast<double>(counters.rays));
+    }
+
+    const Settings& settings_;
+    const VspGuide* guide_;
+    VspRecord record_;
+    float passing_ = 1;  // probability of having passed so far
+    float start_ = 0;    // work before the path
+};
+
+}  // namespace nephele

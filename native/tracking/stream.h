@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Resampling distance sampling: one walk along the whole segment finds candidates for scattering, keeps one
+// in proportion to its weight, and estimates the transmittance besides; only then is it decided whether the
+// path scatters there or passes (vsp.h). Reservoir of one (Chao 1982): memory does not grow with the stream.
+//
+// In pieces where nothing varies a candidate stands for the whole piece, in closed form. Elsewhere candidates
+// are a Poisson process whose rate is the majorant times rate_scale(), near lights a virtual density besides
+// (light_estimate.h). T_i is the ratio-tracking estimate up to candidate i; its weight is the mean over RGB
+// of beta W_i, W_i = T_i sigma_s / rate, times the light estimate. So no channel is singled out in chromatic
+// media. The sum of beta W_i Li over all candidates is an unbiased estimate of the volume's light, and W_i
+// (sum of weights) / (weight i) of the one kept is in expectation that sum, whatever the weights are.
+#pragma once
+
+#include "tracking/flight.h"
+#include "tracking/light_estimate.h"
+#include "tracking/vsp.h"
+
+namespace nephele {
+
+/// What a walk found.
+struct Stream {
+    VspWeights weights;
+    float t = 0;  ///< of the candidate kept; its media are in scratch.shares
+    Rgb volume;   ///< throughput where the path scatters there, before division by the probability
+    Rgb surface;  ///< throughput where it passes, the same
+    Rgb emitted;  ///< gathered along the way, throughput included
+    Rgb albedo;   ///< single-scattering albedo at t
+    float majorant_depth = 0;  ///< of what varies, before rate_scale()
+};
+
+class StreamSampler {
+  public:
+    StreamSampler(const Segment& segment, TrackingScratch& scratch, const Settings& settings,
+                  const VspGuide& guide, const LightEstimate* lights, Rng& rng, Counters& counters)
+        : segment_(segment),
+          scratch_(scratch),
+          settings_(settings),
+          guide_(guide),
+          lights_(lights),
+          rng_(rng),
+          counters_(counters) {}
+
+    /// beta: throughput at the segment's start.
+    Stream run(Rgb beta) {
+        T_ = beta;
+        const bool global = settings_.majorant == Settings::Majorant::global;
+        const bool exact = settings_.vsp_control == Settings::VspControl::exact;
+        // Exact control has to know what is ahead; for the other what the pixel has learned will do.
+        const Ahead ahead = exact ? look_ahead(global) : Ahead{guide_.majorant_depth, 0, false};
+        scale_ = rate_scale(settings_, guide_, ahead.depth);
+        out_.weights.empty = ahead.scatters_surely ? 0 : std::exp(-scale_ * ahead.depth - ahead.near);
+        scratch_.start(segment_, true, global);
+        scratch_.picked.clear();
+        tau_ = rng_.next_exponential();
+        tau_virtual_ = rng_.next_exponential();
+        for_each_piece(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
+            return nothing_varies(t0) ? constant_piece(t0, t1) : varying_piece(t0, t1, majorant);
+        });
+        finish(beta);
+        return out_;
+    }
+
+  private:
+    /// What a walk without lookups finds: the optical depth of the majorants where media vary, the expected
+    /// number of virtual candidates, whether a piece is sure to have a candidate.
+    struct Ahead {
+        float depth = 0, near = 0;
+        bool scatters_surely = false;
+    };
+    Ahead look_ahead(bool global) {
+        Ahead ahead;
+        scratch_.start(segment_, true, global);
+        for_each_piece(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
+            if (nothing_varies(t0)) {
+                ahead.scatters_surely |= std::any_of(
+                    scratch_.tracks.begin(), scratch_.tracks.end(), [&](const MajorantTrack& track) {
+                        return track.interval().t0 <= t0 && !is_zero(track.medium().sigma_s);
+                    });
+            } else if (majorant > 0) {
+                ahead.depth += majorant * (t1 - t0);
+                ahead.near += lights_ ? lights_->expected(t0, t1) : 0;
+            }
+            return true;
+        });
+        return ahead;
+    }
+
+    bool nothing_varies(float t) const {
+        return std::none_of(scratch_.tracks.begin(), scratch_.tracks.end(), [&](const MajorantTrack& track) {
+            return track.interval().t0 <= t && track.medium().bounds;
+        });
+    }
+
+    /// Offers a candidate at t whose throughput is `value`; scratch_.shares are its media.
+    void offer(float t, Rgb value, float weight, const detail::Coefficients& c) {
+        if (!(weight > 0))
+            return;
+        out_.weights.volume += weight;
+        if (rng_.next() * out_.weights.volume >= weight)
+            return;
+        out_.t = t;
+        out_.volume = value / weight;
+        out_.albedo = c.sigma_s / max(c.sigma_t, Rgb(1e-30f));
+        std::swap(scratch_.picked, scratch_.shares);
+    }
+
+    bool constant_piece(float t0, float t1);
+    void offer_constant(float t0, float length, const detail::Coefficients& c);
+    void offer_constant_near_lights(float t0, float t1, const detail::Coefficients& c);
+    bool varying_piece(float t0, float t1, float majorant);
+    void candidate(float t, float rate);
+    bool survives();
+
+    void gather(float t0, float t1) {
+        const Rgb emitted = detail::emission_between(scratch_, t0, t1, rng_, counters_);
+        if (!is_zero(emitted))
+            out_.emitted += T_ * emitted;
+    }
+
+    void finish(Rgb beta) {
+        out_.surface = T_;
+        out_.volume *= out_.weights.volume;
+        out_.weights.surface = mean(T_);
+        out_.weights.passing_share = std::min(out_.weights.surface / mean(beta), 1.0f);
+        std::swap(scratch_.picked, scratch_.shares);
+    }
+
+    const Segment& segment_;
+    TrackingScratch& scratch_;
+    const Settings& settings_;
+    const VspGuide& guide_;
+    const LightEstimate* lights_;  // or none: all weights as they are
+    Rng& rng_;
+    Counters& counters_;
+
+    Stream out_;
+    Rgb T_;                            // beta times the transmittance so far
+    float scale_ = 1;                  // of the majorants
+    float tau_ = 0, tau_virtual_ = 0;  // optical depths to the next candidates
+};
+
+/// The integral of exp(-sigma_t s) over [0, length], accurate for all depths.
+inline float transmitted_length(float sigma_t, float length) {
+    const float depth = sigma_t * length;
+    return depth > 1e-6f ? -std::expm1(-depth) / sigma_t : length * (1 - depth / 2);
+}
+inline Rgb transmitted_length(Rgb sigma_t, float length) {
+    return {transmitted_length(sigma_t.x, length), transmitted_length(sigma_t.y, length),
+            transmitted_length(sigma_t.z, length)};
+}
+
+inline bool StreamSampler::constant_piece(float t0, float t1) {
+    detail::Coefficients c;
+    Rgb emission;
+    scratch_.shares.clear();
+    for (const MajorantTrack& track : scratch_.tracks) {
+        if (track.interval().t0 > t0)
+            continue;
+        const Medium& m = track.medium();
+        c.add(m.sigma_s, m.sigma_t);
+        emission += m.emission;
+        if (!is_zero(m.sigma_s))
+            scratch_.shares.push_back({m.sigma_s, m.phase});
+    }
+    const float length = t1 - t0;
+    for (int i = 0; i < 3; ++i) {
+        if (emission[i] > 0 && (c.sigma_t[i] > 0 || length < kInfinity))
+            out_.emitted[i] += T_[i] * emission[i] * transmitted_length(c.sigma_t[i], length);
+    }
+    if (!scratch_.shares.empty()) {
+        if (lights_) {
+            offer_constant_near_lights(t0, t1, c);
+        } else {
+            offer_constant(t0, length, c);
+        }
+    }
+    T_ *= homogeneous_transmittance(c.sigma_t, length);
+    return !is_zero(T_);
+}
+
+/// Light that arrives at t0 + s of a constant piece, sigma_s included.
+inline Rgb arriving(Rgb T, const detail::Coefficients& c, float s) {
+    return T * c.sigma_s * homogeneous_transmittance(c.sigma_t, s);
+}
+
+/// Distance from t0 of a point of a constant piece, with density the mean over RGB of arriving() /
+/// `integrals`' mean: one channel's truncated exponential, chosen by its integral (balance heuristic over the
+/// channels).
+inline float sample_constant(Rgb sigma_t, float length, Rgb integrals, float choice, float u) {
+    float left = choice * (integrals.x + integrals.y + integrals.z);
+    int channel = 0;
+    while (channel < 2 && left >= integrals[channel])
+        left -= integrals[channel++];
+    while (channel > 0 && integrals[channel] == 0)
+        --channel;
+    const float sigma = sigma_t[channel], depth = sigma * length;
+    if (depth < 1e-6f)
+        return u * length;
+    return std::min(-std::log1p(u * std::expm1(-depth)) / sigma, length);
+}
+
+/// Integral of arriving() over the piece; channels that do not scatter have none, however long they are.
+inline Rgb scattered(Rgb T, const detail::Coefficients& c, float length) {
+    Rgb sum;
+    for (int i = 0; i < 3; ++i) {
+        if (c.sigma_s[i] > 0)
+            sum[i] = T[i] * c.sigma_s[i] * transmitted_length(c.sigma_t[i], length);
+    }
+    return sum;
+}
+
+inline void StreamSampler::offer_constant(float t0, float length, const detail::Coefficients& c) {
+    const Rgb integrals = scattered(T_, c, length);
+    const float weight = mean(integrals);
+    const float s = sample_constant(c.sigma_t, length, integrals, rng_.next(), rng_.next());
+    const Rgb value = arriving(T_, c, s);
+    const float largest = mean(value);
+    if (largest > 0)
+        offer(t0 + s, value * (weight / largest), weight, c);
+}
+
+inline void StreamSampler::offer_constant_near_lights(float t0, float t1, const detail::Coefficients& c) {
+    constexpr int kEach = 2;  // candidates by either way; each is weighed by the densities of both
+    const float length = t1 - t0;
+    const Rgb integrals = scattered(T_, c, length);
+    const float all = mean(integrals);
+    const float virtual_part = lights_->expected(t0, t1);
+    if (!(all > 0))
+        return;
+    const std::vector<ScatterShare> shares = scratch_.shares;
+    for (int i = 0; i < 2 * kEach; ++i) {
+        float s = 0;
+        const float u = (static_cast<float>(i / 2) + rng_.next()) / kEach;
+        if (i % 2 == 0) {
+            s = sample_constant(c.sigma_t, length, integrals, rng_.next(), u);
+        } else {
+            s = std::clamp(lights_->advance(t0, u * virtual_part), t0, t1) - t0;
+        }
+        if (!(s < kInfinity))
+            continue;  // nothing arrives from there
+        const Rgb value = arriving(T_, c, s);
+        const float by_medium = mean(value) / all, by_light = lights_->rate(t0 + s) / virtual_part;
+        const Rgb each = value / (kEach * (by_medium + by_light));
+        scratch_.shares = shares;
+        offer(t0 + s, each, mean(each) * lights_->at(t0 + s), c);
+    }
+}
+
+inline bool StreamSampler::varying_piece(float t0, float t1, float majorant) {
+    out_.majorant_depth += majorant * (t1 - t0);
+    if (majorant == 0) {
+        gather(t0, t1);
+        return true;
+    }
+    const float rate = majorant * scale_;
+    for (float t = t0;;) {
+        const float left = rate * (t1 - t);
+        const float left_virtual = lights_ ? lights_->expected(t, t1) : 0;
+        const bool real = left > tau_, near = left_virtual > tau_virtual_;
+        if (!real && !near) {
+            gather(t, t1);
+            tau_ -= left;
+            tau_virtual_ -= left_virtual;
+            return true;
+        }
+        const float at_real = real ? std::clamp(t + tau_ / rate, t, t1) : kInfinity;
+        const float at_near = near ? std::min(lights_->advance(t, tau_virtual_), t1) : kInfinity;
+        const float at = std::min(at_real, at_near);
+        gather(t, at);
+        if (at_real <= at_near) {
+            tau_ = rng_.next_exponential();
+            tau_virtual_ -= lights_ ? lights_->expected(t, at) : 0;
+        } else {
+            tau_virtual_ = rng_.next_exponential();
+            tau_ -= rate * (at - t);
+        }
+        t = at;
+        candidate(t, rate + (lights_ ? lights_->rate(t) : 0));
+        if (!survives())
+            return false;
+    }
+}
+
+inline void StreamSampler::candidate(float t, float rate) {
+    const auto c = detail::coefficients_at(scratch_, t, rng_, counters_);
+    const Rgb value = T_ * c.sigma_s / rate;
+    offer(t, value, mean(value) * (lights_ ? lights_->at(t) : 1), c);
+    T_ *= max(Rgb(1) - c.sigma_t / rate, Rgb(0));
+}
+
+/// Russian roulette where what is still to come cannot matter against what was found, by what is known:
+/// unbiased, and it bounds the walk in dense media without a limit to its steps.
+inline bool StreamSampler::survives() {
+    constexpr float kNegligible = 0.02f;
+    const float volume = guide_.volume_radiance * (lights_ ? lights_->largest() : 1);
+    const float ahead = max_component(T_) * std::max(volume, guide_.surface_radiance);
+    if (ahead == 0)
+        return false;
+    const float found = guide_.volume_radiance * out_.weights.volume;
+    const float survive = ahead / (kNegligible * (found + ahead));
+    if (survive >= 1)
+        return true;
+    if (rng_.next() >= survive) {
+        T_ = Rgb(0);
+        return false;
+    }
+    T_ /= survive;
+    return true;
+}
+
+}  // namespace nephele

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The volume scattering probability (VSP) of a segment: the probability that a path scatters in its volumes
+// instead of passing to what is behind (Xu, Herholz, Manzi, Papas, Gross, SIGGRAPH Asia 2024, "Volume
+// Scattering Probability Guiding"). Here is what was learned about it, and how a path decides by it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "settings_table.h"
+
+namespace nephele {
+
+/// What a pixel has learned. Radiances are per unit of weight: of the volume's candidates, of what passes.
+/// Without knowledge, delta tracking's probabilities come out.
+struct VspGuide {
+    float volume_radiance = 1;   ///< mean or root mean square, by the criterion; > 0
+    float surface_radiance = 1;  ///< the same of what is behind; > 0
+    float target = 0.5f;         ///< wanted probability of exact control, in [0.001, 0.999]
+    float transmittance = 0.5f;  ///< mean along the pixel's rays
+    float majorant_depth = 0;    ///< mean optical depth of the majorants; 0: unknown
+};
+
+inline constexpr float kLowestVsp = 0.001f, kHighestVsp = 0.999f;
+
+/// The sums that a decision is made by, of one segment.
+struct VspWeights {
+    float volume = 0;         ///< of the candidates' weights
+    float surface = 0;        ///< mean over RGB of the throughput that passes
+    float passing_share = 1;  ///< transmittance of this stream, in [0, 1]
+    float empty = 0;          ///< probability that the stream has no candidate
+};
+
+/// Probability of scattering in the volume, design of both controls:
+/// exact: target / (1 - empty), so that empty streams, which have to pass, are made up for; with
+/// 1 - vsp_defensive of delta tracking's probability mixed in (Xu et al., section 5.2).
+/// conditional: in proportion to what either branch brings by the learned radiances. Where the nested
+/// estimates are free of noise the decision then adds no variance at all.
+inline float volume_probability(const Settings& settings, const VspGuide& guide, const VspWeights& w) {
+    if (!(w.volume > 0))
+        return 0;
+    if (!(w.surface > 0))
+        return 1;
+    if (settings.vsp_control == Settings::VspControl::exact) {
+        const float guided = std::min(guide.target / (1 - w.empty), 1.0f);
+        return std::clamp(
+            settings.vsp_defensive * guided + (1 - settings.vsp_defensive) * (1 - w.passing_share), 0.0f,
+            1.0f);
+    }
+    const double volume = double{guide.volume_radiance} * double{w.volume};
+    const double surface = double{guide.surface_radiance} * double{w.surface};
+    return static_cast<float>(volume / (volume + surface));
+}
+
+/// Optical depth of candidates that lets a stream reach `target`: the probability of an empty stream becomes
+/// (1 - target) / 2. At (1 - target) every stream with candidates would have to take the volume, and what
+/// passes such a stream would be lost.
+inline float depth_to_reach(float target) {
+    return -std::log((1 - target) / 2);
+}
+
+/// What the majorants are multiplied by. depth: their optical depth along the segment.
+inline float rate_scale(const Settings& settings, const VspGuide& guide, float depth) {
+    if (!(depth > 0))
+        return 1;
+    if (settings.vsp_control == Settings::VspControl::exact) {
+        // At twice the majorant no candidate is met for sure: there is always something that passes.
+        constexpr float kRoom = 2;
+        return std::max(kRoom, depth_to_reach(guide.target) / depth);
+    }
+    constexpr float kMostDepth = 4;  // more candidates cost more lookups than they save noise
+    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, 1.0f, 1e6f);
+}
+
+}  // namespace nephele
