@@ -20,7 +20,9 @@ void intersect_face(const RTCIntersectFunctionNArguments* args) {
         return;
     const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
     const auto& query = *reinterpret_cast<const Query*>(args->context);
-    auto& [ray, hit] = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    auto& both = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    RTCRay& ray = both.ray;
+    RTCHit& hit = both.hit;
     const WatertightRay line({ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z});
     const auto corner = [&](unsigned i) { return faces.corner_at(args->primID, i, ray.time); };
     const auto met = line.meet(corner(0), corner(1), corner(2));
