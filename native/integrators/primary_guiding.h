@@ -28,12 +28,20 @@ class PrimaryGuiding {
         return stream.run(beta);
     }
 
-    /// Decides between the stream's candidate and passing; updates beta. Emission is in the flight.
-    Flight decide(const Stream& stream, Rgb& beta, float distance, Rng& rng) {
+    /// Probability of scattering at the stream's candidate.
+    float probability(const Stream& stream) const {
+        return volume_probability(settings_, *guide_, stream.weights);
+    }
+    /// Whether to take direct light there in any case: where the path itself rarely goes, though not so
+    /// rarely that its light could not matter.
+    bool gathers(float p) const { return settings_.vsp_gather && p > kLeastGather && p < kMostGather; }
+
+    /// Decides with probability p between the stream's candidate and passing; updates beta. Emission is in
+    /// the flight.
+    Flight decide(const Stream& stream, float p, Rgb& beta, float distance, Rng& rng) {
         Flight flight{Flight::Event::absorbed, stream.t, stream.emitted, stream.albedo};
         const VspWeights& w = stream.weights;
         const float before = record_.probability;  // of having passed so far
-        const float p = volume_probability(settings_, *guide_, w);
         const bool scatters = p > 0 && rng.next() < p;
         note(w.volume * before, w.surface * before, distance);
         record_.transmittance *= w.passing_share;
@@ -62,9 +70,11 @@ class PrimaryGuiding {
     }
 
     /// What the path taught, once it has ended. volume, surface: light of either branch that the decision
-    /// had a part in.
-    void finish(Rgb volume, Rgb surface, const Counters& counters, PixelSample& out) {
-        record_.light = mean(record_.scattered ? volume : surface);
+    /// had a part in. gathered: direct light at the candidate, in any case; it counts as the volume's, or
+    /// the volume would be visited as rarely as if that light were not there, and what else there is with it.
+    void finish(Rgb volume, Rgb surface, Rgb gathered, const Counters& counters, PixelSample& out) {
+        const Rgb light = record_.scattered ? volume + gathered / record_.probability : surface;
+        record_.light = mean(light);
         record_.cost = work(counters) - start_;
         out.vsp = record_;
         const bool conditional = settings_.vsp_control == Settings::VspControl::conditional && resamples();
@@ -72,6 +82,8 @@ class PrimaryGuiding {
     }
 
   private:
+    static constexpr float kLeastGather = 0.02f, kMostGather = 0.5f;
+
     static std::optional<LightEstimate> light_estimate(const LightSet& lights, const Segment& segment,
                                                        Rng& rng) {
         constexpr std::size_t kMostLights = 64;  // more are not worth a look at each for every ray
