@@ -1,123 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Free flights and transmittance against closed forms and fine quadrature, in homogeneous, heterogeneous,
-// chromatic and overlapping media, with local and global majorants, weighted and analog. See kSigmas for
-// false alarms.
+// Free flights against closed forms and fine quadrature, in homogeneous, heterogeneous, chromatic and
+// overlapping media, with local and global majorants, weighted and analog. See kSigmas for false alarms.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <string>
 
-#include "cell_counts.h"
-#include "media_fixtures.h"
 #include "tracking/free_flight.h"
 #include "tracking/transmittance.h"
+#include "tracking_cases.h"
 
 namespace nephele::test {
 namespace {
-
-constexpr int kVoxels = 40;
-/// A slanted ray through the field of kVoxels^3.
-Ray slanted() {
-    return {{-3, 7, 30}, normalize(Vec3f(1, 0.45f, -0.3f)), 0, 50};
-}
-
-/// Two bumps of different widths along x, wavy across.
-float bumps(int i, int j, int k) {
-    const double x = i / 10.0;
-    const double bump =
-        std::exp(-std::pow((x - 1.2) / 0.3, 2)) + 0.6 * std::exp(-std::pow((x - 2.9) / 0.15, 2));
-    return static_cast<float>(bump * (1 + 0.3 * std::sin(j + 0.5 * k)));
-}
-/// Nearly nothing but for one thin wall: the global majorant is 2000 times the usual density.
-float spiky(int i, int, int) {
-    return i == 20 ? 1.0f : 0.0005f;
-}
-float noisy(int i, int j, int k) {
-    return Rng(static_cast<std::uint64_t>((i * 64 + j) * 64 + k)).next();
-}
-
-struct Case {
-    std::string name;
-    std::function<Line()> line;
-};
-
-Line grid_line(const Voxels& voxels, Rgb sigma_s, Rgb sigma_a, Accelerator accelerator = Accelerator::grid) {
-    Line line(slanted());
-    line.add(sigma_s, sigma_a, 0, 50, field_of(kVoxels, voxels, accelerator));
-    return line;
-}
-
-std::vector<Case> cases() {
-    return {
-        {"homogeneous",
-         [] {
-             Line line(slanted());
-             line.add({0.03f, 0.03f, 0.03f}, {0.01f, 0.01f, 0.01f}, 5, 45);
-             return line;
-         }},
-        {"absorbers",
-         [] {
-             Line line(slanted());
-             line.add(Rgb(0), {0.01f, 0.03f, 0.1f}, 5, 45);
-             line.add(Rgb(0), Rgb(0.02f), 0, 20);
-             line.add(Rgb(0.01f), Rgb(0.01f), 10, 30);
-             line.add(Rgb(0), {0.05f, 0.02f, 0}, 0, 50, field_of(kVoxels, bumps));
-             return line;
-         }},
-        {"homogeneous_chromatic",
-         [] {
-             Line line(slanted());
-             line.add({0.001f, 0.03f, 0.2f}, {0.05f, 0, 0.01f}, 5, 45);
-             return line;
-         }},
-        {"bumps", [] { return grid_line(bumps, Rgb(0.2f), Rgb(0.02f)); }},
-        {"bumps_chromatic",
-         [] {
-             return grid_line(bumps, {0.3f, 0.1f, 0}, {0, 0.05f, 0.02f});
-         }},
-        {"spiky", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f)); }},
-        {"bumps_kdtree",
-         [] {
-             return grid_line(bumps, {0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, Accelerator::kdtree);
-         }},
-        {"spiky_kdtree", [] { return grid_line(spiky, Rgb(0.8f), Rgb(0.2f), Accelerator::kdtree); }},
-        {"noisy_thin", [] { return grid_line(noisy, Rgb(1e-3f), Rgb(1e-3f)); }},
-        {"noisy_dense", [] { return grid_line(noisy, Rgb(1.0f), Rgb(0.1f)); }},
-        {"program",
-         [] {
-             Line line(slanted());
-             line.add_program(squared_grid({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, {0.1f, 0.3f, 0}), 0, 50,
-                              kVoxels, bumps);
-             return line;
-         }},
-        {"overlapping_grids",
-         [] {
-             Line line(slanted());
-             line.add({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, 0, 50, field_of(kVoxels, bumps));
-             line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
-             line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
-             return line;
-         }},
-        {"overlapping",
-         [] {
-             Line line(slanted());
-             line.add({0.3f, 0.1f, 0}, {0, 0.05f, 0.02f}, 0, 50, field_of(kVoxels, bumps));
-             line.add({0.02f, 0.01f, 0.05f}, {0.01f, 0, 0}, 12, 22);
-             line.add({0, 0.02f, 0}, Rgb(0), 17, 50);
-             line.add({0.01f, 0.01f, 0.03f}, Rgb(0.01f), 0, 30, field_of(kVoxels, noisy));
-             line.add_program(squared_grid({0.1f, 0.2f, 0.3f}, Rgb(0.1f), {0.1f, 0.3f, 0}), 5, 50, kVoxels,
-                              bumps);
-             return line;
-         }},
-    };
-}
-
-Settings settings_of(Settings::Tracking tracking, bool global) {
-    Settings s;
-    s.tracking = tracking;
-    s.majorant = global ? Settings::Majorant::global : Settings::Majorant::grid;
-    return s;
-}
 
 /// Cases without programs, whose media can be made grey.
 std::vector<Case> direct_cases() {
@@ -228,62 +122,6 @@ TEST_P(DistancesIn, HaveTheRightDistribution) {
     EXPECT_GT(chi_square_p(counts, probabilities, kFlights), kFalseAlarm);
 }
 
-using Estimator = Settings::Transmittance;
-class TransmittanceIn : public testing::TestWithParam<std::tuple<Case, Estimator, bool>> {};
-std::string estimator_name(const testing::TestParamInfo<std::tuple<Case, Estimator, bool>>& test) {
-    constexpr const char* kNames[] = {"_ratio", "_residual_ratio", "_ray_marching"};
-    const auto& [medium, estimator, global] = test.param;
-    return medium.name + kNames[static_cast<int>(estimator)] + (global ? "_global" : "_local");
-}
-INSTANTIATE_TEST_SUITE_P(Media, TransmittanceIn,
-                         testing::Combine(testing::ValuesIn(cases()),
-                                          testing::Values(Estimator::ratio, Estimator::residual_ratio,
-                                                          Estimator::ray_marching),
-                                          testing::Bool()),
-                         estimator_name);
-
-TEST_P(TransmittanceIn, IsUnbiased) {
-    Line line = std::get<0>(GetParam()).line();
-    Settings settings = settings_of(kWeighted, std::get<2>(GetParam()));
-    settings.transmittance = std::get<1>(GetParam());
-    for (const float thickness : {1e-3f, 0.1f, 1.0f, 4.0f}) {  // times the case's own
-        for (Medium& m : line.media)
-            m.sigma_t *= thickness;
-        Counters counters;
-        Rng rng(29);
-        Mean T[3];
-        for (int n = 0; n < 40000; ++n) {
-            const Rgb t = estimate_transmittance(line.segment, settings, rng, counters);
-            for (int c = 0; c < 3; ++c)
-                T[c].add(double{t[c]});
-        }
-        for (int c = 0; c < 3; ++c) {
-            const double expected = Profile(line, 0, 50, c, 20000).transmittance();
-            if (expected < 1e-3)
-                continue;
-            EXPECT_LT(T[c].z(expected), kSigmas) << "channel " << c << ", thickness " << thickness << ": "
-                                                 << T[c].mean() << ", not " << expected;
-        }
-        for (Medium& m : line.media)
-            m.sigma_t /= thickness;
-    }
-}
-
-// The power series is unbiased whatever its estimates are: here of exp(-2), from numbers that are off by
-// half.
-TEST(Tracking, PowerSeriesOfNoisyDepthsIsUnbiased) {
-    Mean mean;
-    Rng rng(53);
-    for (int n = 0; n < 2000000; ++n) {
-        const int terms = detail::series_length(rng);
-        double x[detail::kMaxTerms + 1];
-        for (int i = 0; i <= terms; ++i)
-            x[i] = rng.next() < 0.5f ? -1 : -3;
-        mean.add(detail::power_series(x, terms));
-    }
-    EXPECT_LT(mean.z(std::exp(-2.0)), kSigmas) << mean.mean();
-}
-
 TEST_P(TrackingIn, SharesSayWhichMediumScattered) {
     constexpr int kFlights = 40000;
     float number = 0;
@@ -349,21 +187,6 @@ TEST(Tracking, IsRightFromOneMillionthToAMillionMeanFreePaths) {
             const double expected = 1 - tau * std::exp(-tau) / -std::expm1(-tau);
             EXPECT_LT(depth.z(expected, 1e-5), kSigmas) << "tau " << tau << ": " << depth.mean();
         }
-    }
-}
-
-TEST(Tracking, TransmittanceThroughAMillionMeanFreePathsOfAGridIsShortWork) {
-    const Line line = grid_line(noisy, Rgb(1e5f), Rgb(0));
-    for (const auto estimator : {Estimator::ratio, Estimator::residual_ratio, Estimator::ray_marching}) {
-        Settings settings;
-        settings.transmittance = estimator;
-        Counters counters;
-        Rng rng(37);
-        for (int n = 0; n < 1000; ++n)
-            EXPECT_LT(estimate_transmittance(line.segment, settings, rng, counters).x, 1e-6f);
-        // Where the grid's edge fades in, candidates are dense before the density is: some thousand lookups a
-        // ray, where a whole walk would take a million.
-        EXPECT_LT(counters.density_lookups, 3000000u);
     }
 }
 

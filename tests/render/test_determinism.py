@@ -3,7 +3,6 @@
 cancelling; passes that fit together and hold what they say."""
 
 import time
-from pathlib import Path
 
 import nephele_native
 import numpy as np
@@ -13,6 +12,7 @@ from nephele import passes as pass_table
 from truth import (
     NO_LIMIT,
     RAY,
+    ROUGH_BALL,
     Scene,
     box,
     diffuse,
@@ -26,7 +26,6 @@ from truth import (
     sphere,
 )
 
-GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
 ALL = tuple(p.name for p in pass_table.PASSES)
 
 
@@ -36,7 +35,7 @@ def small_world():
     lamp = d.Light("lamp", "area", facing((1, -1, 2), (0, 0, 0)), (50.0, 40.0, 30.0))
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0), 0.4), sky, lights=(lamp,))
     scene.add_volume(
-        GRID,
+        ROUGH_BALL,
         d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), d.Phase(a=0.5), density_grid="density"),
     )
     scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse((0.8, 0.6, 0.4)))
