@@ -186,7 +186,7 @@ PARAMETERS = (
     Parameter(
         "distance_sampling",
         "enum",
-        "delta",
+        "vspg",
         "Distance Sampling",
         "How camera rays choose between scattering in a volume and passing to what is behind",
         items=(

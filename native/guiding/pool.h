@@ -25,6 +25,7 @@ struct BranchSums {
 struct Pooled {
     float light = 0;  ///< per unit of weight
     float cost = 0;   ///< per sample that took the branch
+    float noise = 0;  ///< variance of the light, relative to its square
 };
 
 /// `sums`, `feature`: of width x height pixels. Differences of the feature well below 0.1 are none, well

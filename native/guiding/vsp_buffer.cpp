@@ -115,11 +115,9 @@ void VspBuffer::update() {
     tbb::parallel_for(0, height_, [&](int y) { learn_row(y, of_volume, of_surface); });
 }
 
-/// Radiance of a branch, its root mean square where the criterion asks for that. Squares are pooled relative
-/// to the pixel's mean: as they are, the brightest pixels around would outweigh all others.
+/// Radiance of a branch and its noise. Squares are pooled relative to the pixel's mean: as they are, the
+/// brightest pixels around would outweigh all others.
 std::vector<Pooled> VspBuffer::estimate(std::vector<BranchSums> sums, std::span<const float> feature) const {
-    if (settings_.vsp_criterion == Settings::VspCriterion::contribution)
-        return pool(width_, height_, std::move(sums), feature);
     std::vector<Pooled> out = pool(width_, height_, sums, feature);
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const float mean2 = out[i].light * out[i].light;
@@ -128,7 +126,7 @@ std::vector<Pooled> VspBuffer::estimate(std::vector<BranchSums> sums, std::span<
     }
     const std::vector<Pooled> noise = pool(width_, height_, std::move(sums), feature);
     for (std::size_t i = 0; i < out.size(); ++i)
-        out[i].light *= std::sqrt(std::max(noise[i].light, 1.0f));
+        out[i].noise = std::max(noise[i].light - 1, 0.0f);
     return out;
 }
 
@@ -162,7 +160,12 @@ VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Poole
         return guide;
     guide.transmittance = near.transmittance / near.samples;
     guide.majorant_depth = near.majorant_depth / near.samples;
+    guide.surface_noise = surface.noise;
     float v = volume.light, s = surface.light;
+    if (settings_.vsp_criterion == Settings::VspCriterion::variance) {
+        v *= std::sqrt(1 + volume.noise);
+        s *= std::sqrt(1 + surface.noise);
+    }
     if (settings_.vsp_cost && volume.cost > 0 && surface.cost > 0) {
         // The least variance times time: sqrt(M / c).
         v /= std::sqrt(volume.cost);

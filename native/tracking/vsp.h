@@ -19,6 +19,7 @@ struct VspGuide {
     float target = 0.5f;         ///< wanted probability of exact control, in [0.001, 0.999]
     float transmittance = 0.5f;  ///< mean along the pixel's rays
     float majorant_depth = 0;    ///< mean optical depth of the majorants; 0: unknown
+    float surface_noise = 0;     ///< variance of the radiance behind, relative to its square
 };
 
 inline constexpr float kLowestVsp = 0.001f, kHighestVsp = 0.999f;
@@ -69,9 +70,9 @@ inline float rate_scale(const Settings& settings, const VspGuide& guide, float d
         return std::max(kRoom, depth_to_reach(guide.target) / depth);
     }
     // Tight majorants leave nothing to resample: either a candidate takes all, or all passes. What matters
-    // behind is worth more candidates, which make the transmittance less noisy.
+    // behind is worth more candidates, which make the transmittance less noisy, unless it is noisier itself.
     constexpr float kRoom = 4, kMostDepth = 4;  // more candidates cost more lookups than they save noise
-    const float room = 1 + kRoom * (1 - guide.target);
+    const float room = 1 + kRoom * (1 - guide.target) / (1 + kRoom * guide.surface_noise);
     return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, room, 1e6f);
 }
 
