@@ -59,16 +59,21 @@ inline float depth_to_reach(float target) {
     return -std::log((1 - target) / 2);
 }
 
+/// Optical depth of candidates that conditional control raises the majorants to at most: more cost more
+/// lookups than they save noise.
+inline constexpr float kMostDepth = 4;
+
 /// What the majorants are multiplied by. depth: their optical depth along the segment.
 inline float rate_scale(const Settings& settings, const VspGuide& guide, float depth) {
-    if (!(depth > 0))
-        return 1;
     if (settings.vsp_control == Settings::VspControl::exact) {
         // At twice the majorant no candidate is met for sure: there is always something that passes.
         constexpr float kRoom = 2;
-        return std::max(kRoom, depth_to_reach(guide.target) / depth);
+        // Where there is next to nothing, as denormal densities are, no factor helps.
+        constexpr float kLeastDepth = 1e-30f;
+        return depth < kLeastDepth ? kRoom : std::max(kRoom, depth_to_reach(guide.target) / depth);
     }
-    constexpr float kMostDepth = 4;  // more candidates cost more lookups than they save noise
+    if (!(depth > 0))
+        return 1;
     return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, 1.0f, 1e6f);
 }
 
