@@ -17,7 +17,7 @@ namespace nephele {
 struct BranchSums {
     float weight = 0;  ///< the branch's weights, taken or not
     float light = 0;   ///< radiance, or its square, times weight
-    float light2 = 0;  ///< squares of these
+    float light2 = 0;  ///< squares of these; finite
     float cost = 0, taken = 0;
 };
 

@@ -45,7 +45,10 @@ void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record,
     sums.taken += 1;
     sums.cost += record.cost;
     if (weight > 0) {
-        const float x = squared ? record.light * record.light * record.probability / weight : record.light;
+        // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
+        constexpr float kLargest = 1e15f;
+        const float x = std::min(
+            squared ? record.light * record.light * record.probability / weight : record.light, kLargest);
         sums.light += x;
         sums.light2 += x * x;
     }
@@ -144,9 +147,11 @@ VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Poole
         return guide;
     guide.transmittance = near.transmittance / near.samples;
     guide.majorant_depth = near.majorant_depth / near.samples;
-    const bool squared = settings_.vsp_criterion == Settings::VspCriterion::variance;
-    float v = squared ? std::sqrt(volume.light) : volume.light;
-    float s = squared ? std::sqrt(surface.light) : surface.light;
+    const auto radiance = [&](float light) {
+        light = std::min(light, 1e30f);  // per tiny weights
+        return settings_.vsp_criterion == Settings::VspCriterion::variance ? std::sqrt(light) : light;
+    };
+    float v = radiance(volume.light), s = radiance(surface.light);
     if (settings_.vsp_cost && volume.cost > 0 && surface.cost > 0) {
         // The least variance times time: sqrt(M / c).
         v /= std::sqrt(volume.cost);
