@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-vsp scenes bake clean
 
 python := .venv/bin/python
 
@@ -47,6 +47,9 @@ asan: setup ## run the native tests under the address and undefined-behaviour sa
 
 bench: build ## measure, and write the report
 	$(python) bench/foundation.py $(ARGS)
+
+bench-vsp: build ## measure the guiding of the volume scattering probability (hours; see ARGS="--help")
+	$(python) bench/vsp.py $(ARGS)
 
 scenes: build ## make the bundled .blend files anew from their scripts
 	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done

@@ -7,7 +7,8 @@ that a Blender without it still shows the engine and says what is missing when a
 
 import importlib
 
-RANKS = ("properties", "engine", "panels")  # engine reads properties; panels show both
+# engine reads properties; panels show both; vsp_view shows what engine made, in a panel inside of panels'
+RANKS = ("properties", "engine", "panels", "vsp_view")
 
 
 def _modules():

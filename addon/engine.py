@@ -14,6 +14,7 @@ import numpy as np
 from . import bridge
 from .export import ExportError, export_scene
 from .export.film import border, enabled_passes, resolution
+from .maps import FALSE_COLOURED
 
 POLL_SECONDS = 0.05  # between two looks at Escape
 STATUS_SECONDS = 0.2  # between two status texts
@@ -26,7 +27,8 @@ USER_FAULTS = (ExportError, bridge.NativeModuleError, ValueError, RuntimeError, 
 @dataclass
 class RenderRecord:
     """What became of one render. state: "running", "done", "cancelled" or "failed". seconds: wall time of
-    "export", "build", "render" and "write". statistics: the native module's."""
+    "export", "build", "render" and "write". statistics: the native module's. images: the passes that the VSP
+    View shows, (h, w, channels) arrays by name, bottom row first."""
 
     frame: int
     view_layer: str
@@ -35,6 +37,7 @@ class RenderRecord:
     warnings: list = field(default_factory=list)
     statistics: dict = field(default_factory=dict)
     seconds: dict = field(default_factory=dict)
+    images: dict = field(default_factory=dict)
 
 
 last_render = None
@@ -120,6 +123,8 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
                 self._run(renderer, result, scene.film.passes, record)
             with _Timer(record, "write"):
                 write_passes(result, renderer, scene.film.passes)
+                # Python cannot read the passes of Blender's own result.
+                record.images = {n: renderer.read_pass(n) for n in scene.film.passes if n in FALSE_COLOURED}
         finally:
             self.end_result(result)
             record.statistics = dict(renderer.statistics())

@@ -31,6 +31,7 @@ class Pass:
 
 
 RADIANCE = "W/(m^2 sr)"
+RADIANCE_VARIANCE = "W^2/(m^4 sr^2)"
 
 PASSES = (
     Pass("Combined", "RGBA", "COLOR", RADIANCE, "All light, with the film's alpha", "use_pass_combined"),
@@ -87,8 +88,38 @@ PASSES = (
         "Variance",
         "X",
         "VALUE",
-        "W^2/(m^4 sr^2)",
+        RADIANCE_VARIANCE,
         "Estimated variance of the pixel's mean, averaged over RGB",
+    ),
+    Pass(
+        "Volume Variance",
+        "X",
+        "VALUE",
+        RADIANCE_VARIANCE,
+        "Estimated variance of the mean of Volume in the pixel, averaged over RGB",
+    ),
+    Pass(
+        "Surface Variance",
+        "X",
+        "VALUE",
+        RADIANCE_VARIANCE,
+        "Estimated variance of the mean of Surface in the pixel, averaged over RGB",
+    ),
+    Pass(
+        "VSP Target",
+        "X",
+        "VALUE",
+        "1",
+        "Mean probability with which a volume was chosen for the first event; 0 where nothing guides",
+    ),
+    Pass("VSP Achieved", "X", "VALUE", "1", "Share of samples whose first event was in a volume"),
+    Pass(
+        "Majorant Optical Depth",
+        "X",
+        "VALUE",
+        "1",
+        "Integral of the majorants of all media up to the first surface; a sample gives at most 1e6, also "
+        "where the media never end",
     ),
     Pass("Sample Count", "X", "VALUE", "1", "Samples taken in the pixel"),
     Pass("Cost", "X", "VALUE", "1", "Density lookups per sample"),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders a .blend with Blender's own path tracer, Cycles, set to solve the same equation as Nephele.
 
-Unbiased volumes (null scattering) on grids at full precision, the same bounce limits, no light tree,
-clamping, filtered caustics, adaptive sampling, guiding or denoising. Cycles runs in a process of its own,
-all seeds in one; this file is also that process's script:
+Unbiased volumes (null scattering) on grids at full precision, the same bounce limits, no clamping, filtered
+caustics, adaptive sampling or denoising; light tree and guiding only where a job asks for them. Cycles runs
+in a process of its own, all seeds in one; this file is also that process's script:
 
     python -P bench/cycles.py JOB.json OUT.npz
 
@@ -38,9 +38,9 @@ class Job:
     scene: path of the .blend. resolution: (width, height) in pixels. seeds: one image each. bounces:
     scattering events of a path, whatever their kind, as Nephele's `max_bounces`. pixel_filter: "BOX",
     "GAUSSIAN" or "BLACKMAN_HARRIS", filter_width in pixels (not for BOX); None: the file's own. frame: None
-    for the file's. guiding: path guiding, surfaces and volumes. persistent: keep what was set up from one
-    seed to the next; without it every image pays for the whole preparation, which for a volume takes Cycles
-    seconds."""
+    for the file's. guiding: path guiding, surfaces and volumes. light_tree: choose lamps by it. persistent:
+    keep what was set up from one seed to the next; without it every image pays for the whole preparation,
+    which for a volume takes Cycles seconds."""
 
     scene: str
     resolution: tuple
@@ -53,6 +53,7 @@ class Job:
     pixel_filter: str | None = None
     filter_width: float = 1.5
     guiding: bool = False
+    light_tree: bool = False
     persistent: bool = True
 
 
@@ -126,7 +127,8 @@ def match_settings(cycles, job):
     cycles.transparent_max_bounces = max(job["bounces"], 1024)  # no event; Cycles counts volume boundaries
     cycles.min_light_bounces = cycles.min_transparent_bounces = 0
     cycles.volume_biased = False
-    cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_light_tree = False
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.use_light_tree = job["light_tree"]
     cycles.use_auto_tile = cycles.use_fast_gi = cycles.use_animated_seed = False
     cycles.light_sampling_threshold = 0.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0

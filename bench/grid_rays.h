@@ -3,12 +3,12 @@
 #pragma once
 
 #include <chrono>
-#include <ctime>
 #include <memory>
 #include <vector>
 
 #include "grids/brick_grid.h"
 #include "math/sampler.h"
+#include "thread_time.h"
 
 namespace nephele::bench {
 
@@ -17,17 +17,12 @@ struct IndexRay {
     float length;
 };
 
-/// Processor time of this thread: other programs disturb it least.
+/// Processor time that f() takes, s.
 template <typename F>
 double seconds(const F& f) {
-    const auto now = [] {
-        timespec t{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-        return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-    };
-    const double start = now();
+    const double start = thread_seconds();
     f();
-    return now() - start;
+    return thread_seconds() - start;
 }
 
 /// Elapsed time, for what runs on many threads.

@@ -12,21 +12,16 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
 #include "math/sampler.h"
+#include "thread_time.h"
 
 namespace {
 
 using namespace nephele;
-
-double thread_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+using bench::thread_seconds;
 
 /// A ball with bumps above a floor, of about 2 n^2 triangles.
 RTCScene make_scene(RTCDevice device, unsigned n) {

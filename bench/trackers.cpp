@@ -11,25 +11,20 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "grids/vdb_file.h"
+#include "thread_time.h"
 #include "tracking/free_flight.h"
 #include "tracking/transmittance.h"
 
 namespace {
 
 using namespace nephele;
-
-double thread_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+using bench::thread_seconds;
 
 struct TestMedium {
     std::string name;

@@ -83,6 +83,7 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
     };
     request_.transmittance = any({PassId::transmittance});
+    request_.majorant_depth = any({PassId::majorant_optical_depth});
     request_.features =
         any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
     request_.transparent_film = frame_.transparent;

@@ -11,7 +11,7 @@ struct VspRecord {
     float probability = 1;                        ///< of that branch
     float volume_weight = 0, surface_weight = 0;  ///< of both, before division by probabilities
     float light = 0;                              ///< what the branch brought, divided by its probability
-    float cost = 0;                               ///< work of the branch
+    float cost = 0;                               ///< work of the whole path
     float transmittance = 1, majorant_depth = 0;
     float distance = 1e10f;  ///< to what is behind, m
 };

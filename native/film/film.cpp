@@ -17,6 +17,24 @@ constexpr bool first_sample_only(PassId pass) {
     return pass == PassId::depth || pass == PassId::mist;
 }
 
+/// The pass whose variance `pass` is; `pass` itself where it is no variance.
+constexpr PassId variance_of(PassId pass) {
+    switch (pass) {
+        case PassId::variance:
+            return PassId::combined;
+        case PassId::volume_variance:
+            return PassId::volume;
+        case PassId::surface_variance:
+            return PassId::surface;
+        default:
+            return pass;
+    }
+}
+
+constexpr bool is_variance(PassId pass) {
+    return variance_of(pass) != pass;
+}
+
 }  // namespace
 
 Film::Film(int width, int height, std::span<const PassId> passes) : width_(width), height_(height) {
@@ -25,15 +43,15 @@ Film::Film(int width, int height, std::span<const PassId> passes) : width_(width
                                     std::to_string(height) + " pixels; set a resolution of at least 1 x 1");
     }
     counts_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+    asked_[at(PassId::sample_count)] = true;
     for (const PassId pass : passes) {
+        asked_[at(pass)] = true;
         if (pass == PassId::sample_count)
             continue;
-        allocate(pass, pass == PassId::variance ? 3 : kPasses[at(pass)].channels);
-        combined_asked_ |= pass == PassId::combined;
-        variance_asked_ |= pass == PassId::variance;
+        allocate(pass, is_variance(pass) ? 3 : kPasses[at(pass)].channels);
+        if (const PassId mean = variance_of(pass); sums_of(mean).empty())
+            allocate(mean, kPasses[at(mean)].channels);
     }
-    if (variance_asked_ && !combined_asked_)
-        allocate(PassId::combined, kPasses[at(PassId::combined)].channels);
 }
 
 void Film::allocate(PassId pass, int channels) {
@@ -63,27 +81,39 @@ void Film::add(int x, int y, const PixelSample& sample, float exposure) {
     add_to(PassId::albedo, pixel, &sample.albedo.x, 3);
     add_to(PassId::volume_albedo, pixel, &sample.volume_albedo.x, 3);
     add_to(PassId::normal, pixel, &sample.normal.x, 3);
+    add_to(PassId::vsp_target, pixel, &sample.vsp_target, 1);
+    add_to(PassId::vsp_achieved, pixel, &sample.vsp_achieved, 1);
+    add_to(PassId::majorant_optical_depth, pixel, &sample.majorant_depth, 1);
     add_to(PassId::cost, pixel, &sample.cost, 1);
     if (counts_[pixel] == 0) {
         add_to(PassId::depth, pixel, &sample.depth, 1);
         add_to(PassId::mist, pixel, &sample.mist, 1);
     }
-    if (variance_asked_) {
-        double* squares = sums_[at(PassId::variance)].data() + 3 * pixel;
-        for (int c = 0; c < 3; ++c)
-            squares[c] += static_cast<double>(light[c]) * static_cast<double>(light[c]);
-    }
+    add_squares(PassId::variance, pixel, light);
+    add_squares(PassId::volume_variance, pixel, volume);
+    add_squares(PassId::surface_variance, pixel, surface);
     ++counts_[pixel];
 }
 
-std::vector<float> Film::variance() const {
+void Film::add_squares(PassId pass, std::size_t pixel, Rgb light) {
+    if (!has(pass))
+        return;
+    double* squares = sums_[at(pass)].data() + 3 * pixel;
+    for (int c = 0; c < 3; ++c)
+        squares[c] += static_cast<double>(light[c]) * static_cast<double>(light[c]);
+}
+
+std::vector<float> Film::variance(PassId pass) const {
+    const PassId mean_pass = variance_of(pass);
+    const auto stride = static_cast<std::size_t>(kPasses[at(mean_pass)].channels);
+    const std::vector<double>&sums = sums_of(mean_pass), &squares = sums_of(pass);
     std::vector<float> out(counts_.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         const double n = counts_[i];
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double mean = sums_of(PassId::combined)[4 * i + c] / n;
-            sum += std::max(0.0, sums_of(PassId::variance)[3 * i + c] / n - mean * mean);
+            const double mean = sums[stride * i + c] / n;
+            sum += std::max(0.0, squares[3 * i + c] / n - mean * mean);
         }
         out[i] = n > 1 ? static_cast<float>(sum / 3 / (n - 1)) : 0;
     }
@@ -94,12 +124,12 @@ std::vector<float> Film::read(PassId pass) const {
     const PassInfo& info = kPasses[at(pass)];
     if (pass == PassId::sample_count)
         return {counts_.begin(), counts_.end()};
-    if (!has(pass) || (pass == PassId::combined && !combined_asked_)) {
+    if (!has(pass)) {
         throw std::invalid_argument(std::string("the pass '") + info.name +
                                     "' was not asked for; add it to the film's passes");
     }
-    if (pass == PassId::variance)
-        return variance();
+    if (is_variance(pass))
+        return variance(pass);
     const auto channels = static_cast<std::size_t>(info.channels);
     const std::vector<double>& sums = sums_of(pass);
     std::vector<float> out(sums.size());

@@ -3,6 +3,7 @@
 // Blender.
 #pragma once
 
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -25,9 +26,9 @@ struct PixelSample {
     float depth = 1e10f;
     float mist = 1;
     float cost = 0;
-    float vsp_target = 0;    ///< probability of scattering that this sample was given; 0 where none was
-    float vsp_achieved = 0;  ///< 1 where the path's first event was in a volume
-    float majorant_depth = 0;
+    float vsp_target = 0;      ///< probability of scattering that this sample was given; 0 where none was
+    float vsp_achieved = 0;    ///< 1 where the path's first event was in a volume
+    float majorant_depth = 0;  ///< integral of the majorants up to the first surface
     VspRecord vsp;
 };
 
@@ -38,7 +39,8 @@ class Film {
 
     int width() const { return width_; }
     int height() const { return height_; }
-    bool has(PassId pass) const { return !sums_of(pass).empty() || pass == PassId::sample_count; }
+    /// Whether the pass was asked for; the sample count always is.
+    bool has(PassId pass) const { return asked_[static_cast<std::size_t>(pass)]; }
 
     /// Adds a sample to pixel (x, y), scaled by `exposure` where it is light.
     void add(int x, int y, const PixelSample& sample, float exposure);
@@ -60,12 +62,13 @@ class Film {
     const std::vector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
     void allocate(PassId pass, int channels);
     void add_to(PassId pass, std::size_t pixel, const float* values, int channels);
-    std::vector<float> variance() const;
+    void add_squares(PassId pass, std::size_t pixel, Rgb light);
+    std::vector<float> variance(PassId pass) const;
 
     int width_, height_;
-    bool variance_asked_ = false, combined_asked_ = false;
+    std::array<bool, kPassCount> asked_{};
     std::vector<std::uint32_t> counts_;
-    std::vector<double> sums_[kPassCount];  ///< channels of kPasses; variance: sum of squares, RGB
+    std::vector<double> sums_[kPassCount];  ///< channels of kPasses; variances: sums of squares, RGB
 };
 
 }  // namespace nephele

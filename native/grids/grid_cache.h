@@ -13,8 +13,10 @@
 #include <mutex>
 #include <string>
 #include <typeinfo>
+#include <utility>
 #include <vector>
 
+#include "grids/file_stamp.h"
 #include "grids/vdb_file.h"
 
 namespace nephele {
@@ -22,6 +24,10 @@ namespace nephele {
 /// Thread-safe. One serves the whole process; tests make their own.
 class GridCache {
   public:
+    /// How it learns of a file's state: stamp_of(), unless a test stands in for the file system.
+    using Probe = std::function<FileStamp(const std::string& path)>;
+    explicit GridCache(Probe probe = stamp_of) : probe_(std::move(probe)) {}
+
     /// Requests that found their value, and those that had to make it.
     struct Statistics {
         std::size_t hits = 0, misses = 0;
@@ -43,27 +49,16 @@ class GridCache {
         std::mutex making;                ///< locked by who makes or looks up the value
         std::weak_ptr<const void> value;  ///< read under either lock, written under `making` and mutex_
     };
-    struct Held {
-        Value value;
-        std::vector<std::uint64_t> grids;  ///< ids of the grids that it is, or was built of
-    };
-    using HeldByKey = std::map<std::string, Held>;
+    using ValueByKey = std::map<std::string, Value>;
 
     Value find_or_make(const std::string& key, const std::function<Value()>& make);
-    void hold(HeldByKey values);
-    HeldByKey held() const;
+    void hold(ValueByKey values);
 
+    Probe probe_;
     mutable std::mutex mutex_;
     std::map<std::string, std::shared_ptr<Slot>> slots_;
-    HeldByKey held_;  ///< by the last complete scene
+    ValueByKey held_;  ///< by the last complete scene
     Statistics statistics_;
-};
-
-/// One grid that a scene is about to ask for.
-struct GridRequest {
-    std::string path, name;
-    GridOptions options;
-    bool vectors = false;
 };
 
 /// What one scene takes from the cache. Its requests may come from several threads; equal ones are served by
@@ -92,25 +87,28 @@ class GridCacheScope {
         for (const std::uint64_t id : grids)
             full += ' ' + std::to_string(id);
         const auto erased = [&]() -> GridCache::Value { return std::make_shared<const T>(make()); };
-        return std::static_pointer_cast<const T>(use(full, erased, [&](const void*) { return grids; }));
+        return std::static_pointer_cast<const T>(use(full, erased));
     }
 
-    /// Before the first request: lets go of all that older scenes alone hold and these do not name, so that
-    /// the grids of two frames do not stand in memory together. Optional; other requests stay allowed.
-    void expect(const std::vector<GridRequest>& requests);
     /// The scene is complete: from now on the cache holds what it used, and nothing else.
     void commit();
 
   private:
-    using IdsOf = std::function<std::vector<std::uint64_t>(const void*)>;
-    GridCache::Value use(const std::string& key, const std::function<GridCache::Value()>& make,
-                         const IdsOf& ids_of);
+    /// One grid of a file, or all of its names.
+    struct Request {
+        const char* kind;  ///< of value
+        std::string path, name;
+        GridOptions options;
+
+        std::string key(const FileStamp& stamp) const;
+    };
+    GridCache::Value use(const std::string& key, const std::function<GridCache::Value()>& make);
     template <typename T, typename Load>
-    std::shared_ptr<const T> read(const std::string& kind, const GridRequest& request, const Load& load);
+    std::shared_ptr<const T> read(const Request& request, const Load& load);
 
     GridCache* cache_;
     std::mutex mutex_;
-    GridCache::HeldByKey used_;
+    GridCache::ValueByKey used_;
 };
 
 }  // namespace nephele

@@ -15,9 +15,9 @@ namespace nephele {
 
 /// Sums over samples of one branch (volume or surface) of a pixel.
 struct BranchSums {
-    float weight = 0;  ///< the branch's weights, taken or not
-    float light = 0;   ///< radiance, or its square, times weight
-    float light2 = 0;  ///< squares of these; finite
+    float weight = 0;               ///< the branch's weights, taken or not
+    float light = 0, light2 = 0;    ///< radiance times weight; squares of these; all finite
+    float square = 0, square2 = 0;  ///< radiance squared times weight; squares of these
     float cost = 0, taken = 0;
 };
 

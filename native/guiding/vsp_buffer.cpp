@@ -38,7 +38,7 @@ float fixed_target(Settings::VspTarget kind, std::size_t pixel) {
     return 0.5f;
 }
 
-void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record, bool squared) {
+void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record) {
     sums.weight += weight;
     if (!taken)
         return;
@@ -47,10 +47,12 @@ void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record,
     if (weight > 0) {
         // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
         constexpr float kLargest = 1e15f;
-        const float x = std::min(
-            squared ? record.light * record.light * record.probability / weight : record.light, kLargest);
-        sums.light += x;
-        sums.light2 += x * x;
+        const float light = std::min(record.light, kLargest);
+        const float square = std::min(record.light * record.light * record.probability / weight, kLargest);
+        sums.light += light;
+        sums.light2 += light * light;
+        sums.square += square;
+        sums.square2 += square * square;
     }
 }
 
@@ -92,10 +94,9 @@ VspBuffer::VspBuffer(int width, int height, const Settings& settings)
 void VspBuffer::add(int x, int y, const VspRecord& record) {
     if (pixels_.empty() || !record.known)
         return;
-    const bool squared = settings_.vsp_criterion == Settings::VspCriterion::variance;
     Pixel& pixel = pixels_[index(x, y)];
-    add_to(pixel.volume, record.volume_weight, record.scattered, record, squared);
-    add_to(pixel.surface, record.surface_weight, !record.scattered, record, squared);
+    add_to(pixel.volume, record.volume_weight, record.scattered, record);
+    add_to(pixel.surface, record.surface_weight, !record.scattered, record);
     pixel.samples += 1;
     pixel.transmittance += record.transmittance;
     pixel.majorant_depth += std::min(record.majorant_depth, 1e6f);
@@ -112,9 +113,30 @@ void VspBuffer::update() {
         surface.push_back(p.surface);
         log_distance.push_back(p.samples > 0 ? p.log_distance / p.samples : 0);
     }
-    const auto pooled_volume = pool(width_, height_, std::move(volume), {});
-    const auto pooled_surface = pool(width_, height_, std::move(surface), log_distance);
-    tbb::parallel_for(0, height_, [&](int y) { learn_row(y, pooled_volume, pooled_surface); });
+    const auto of_volume = estimate(std::move(volume), {});
+    const auto of_surface = estimate(std::move(surface), log_distance);
+    tbb::parallel_for(0, height_, [&](int y) { learn_row(y, of_volume, of_surface); });
+}
+
+/// Radiance of a branch, its root mean square where the criterion asks for that. Squares are pooled relative
+/// to the pixel's mean: as they are, the brightest pixels around would outweigh all others.
+std::vector<Pooled> VspBuffer::estimate(std::vector<BranchSums> sums, std::span<const float> feature) const {
+    if (settings_.vsp_criterion == Settings::VspCriterion::contribution)
+        return pool(width_, height_, std::move(sums), feature);
+    std::vector<Pooled> out = pool(width_, height_, sums, feature);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        // In doubles: the fourth power of a dim radiance is no float.
+        const double mean2 = double{out[i].light} * double{out[i].light};
+        const auto relative = [&](float sum, double unit) {
+            return unit > 0 ? static_cast<float>(std::min(double{sum} / unit, 1e30)) : 0;
+        };
+        sums[i].light = relative(sums[i].square, mean2);
+        sums[i].light2 = relative(sums[i].square2, mean2 * mean2);
+    }
+    const std::vector<Pooled> noise = pool(width_, height_, std::move(sums), feature);
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i].light *= std::sqrt(std::max(noise[i].light, 1.0f));
+    return out;
 }
 
 void VspBuffer::learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface) {
@@ -147,11 +169,8 @@ VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Poole
         return guide;
     guide.transmittance = near.transmittance / near.samples;
     guide.majorant_depth = near.majorant_depth / near.samples;
-    const auto radiance = [&](float light) {
-        light = std::min(light, 1e30f);  // per tiny weights
-        return settings_.vsp_criterion == Settings::VspCriterion::variance ? std::sqrt(light) : light;
-    };
-    float v = radiance(volume.light), s = radiance(surface.light);
+    constexpr float kLargest = 1e30f;  // per tiny weights
+    float v = std::min(volume.light, kLargest), s = std::min(surface.light, kLargest);
     if (settings_.vsp_cost && volume.cost > 0 && surface.cost > 0) {
         // The least variance times time: sqrt(M / c).
         v /= std::sqrt(volume.cost);

@@ -44,6 +44,7 @@ class VspBuffer {
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
+    std::vector<Pooled> estimate(std::vector<BranchSums> sums, std::span<const float> feature) const;
     void learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface);
     Pixel around(int x, int y) const;
     VspGuide learned(const Pixel& near, const Pooled& volume, const Pooled& surface) const;

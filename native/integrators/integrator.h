@@ -22,6 +22,7 @@ struct Workspace {
 /// What a sample computes besides the radiance: only what some pass asks for.
 struct SampleRequest {
     bool transmittance = false;
+    bool majorant_depth = false;
     bool features = false;  ///< depth, normal, albedo, mist
     bool transparent_film = false;
     const VspGuide* guide = nullptr;  ///< of the pixel; none: camera rays are not guided

@@ -25,7 +25,7 @@ class Path {
           request_(request),
           sampler_(sampler),
           ws_(ws),
-          guiding_(settings, request.guide),
+          guiding_(settings, request.guide, ws.counters),
           ray_(ray) {}
 
     PixelSample trace() {
@@ -33,7 +33,7 @@ class Path {
         }
         out_.vsp_achieved = first_ == First::volume;
         if (guiding_.active())
-            guiding_.finish(out_.volume - undecided_, out_.surface, ws_.counters, out_);
+            guiding_.finish(out_.volume - undecided_, out_.surface, gathered_, ws_.counters, out_);
         return out_;
     }
 
@@ -76,11 +76,13 @@ class Path {
         if (!guiding_.resamples())
             return guiding_.normalized_flight(beta_, distance, sampler_, ws_);
         const Stream stream = guiding_.walk(scene_, beta_, sampler_, ws_);
-        const bool gathers = settings_.vsp_gather && stream.weights.volume > 0;
+        const float p = guiding_.probability(stream);
+        gathered_ = Rgb(0);
+        const bool gathers = guiding_.gathers(p);
         if (gathers)
             gather(stream);
-        const Flight flight = guiding_.decide(stream, beta_, distance, sampler_.rng(), ws_.counters);
-        gathered_ = gathers && flight.event == Flight::Event::scattered;
+        const Flight flight = guiding_.decide(stream, p, beta_, distance, sampler_.rng());
+        lit_ = gathers && flight.event == Flight::Event::scattered;
         return flight;
     }
 
@@ -92,7 +94,8 @@ class Path {
         light_volume(ray_.at(stream.t), PhaseMixture(ws_.tracking.shares, beta_));
         first_ = First::none;
         beta_ = beta;
-        undecided_ += out_.volume - before;
+        gathered_ = out_.volume - before;
+        undecided_ += gathered_;
     }
 
     /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same
@@ -181,9 +184,9 @@ class Path {
         if (bounces_ > settings_.max_bounces || volume_bounces_ > settings_.volume_bounces)
             return false;
         const PhaseMixture phase(ws_.tracking.shares, beta_);
-        if (!gathered_)
+        if (!lit_)
             light_volume(p, phase);
-        gathered_ = false;
+        lit_ = false;
         const Vec2f u = sampler_.next2();
         const Vec3f wi = phase.sample(wo, ws_.tracking.shares.size() > 1 ? sampler_.rng().next() : 0, u);
         float pdf = 0;
@@ -321,8 +324,9 @@ class Path {
     float previous_pdf_ = 0;
     bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
     bool primary_done_ = false, recorded_ = false;
-    bool gathered_ = false;  // direct light was taken at the segment's candidate
-    Rgb undecided_;          // light of the volume that no decision had a part in
+    bool lit_ = false;  // direct light was taken where the path scatters
+    Rgb gathered_;      // direct light at the last stream's candidate, taken in any case
+    Rgb undecided_;     // light of the volume that no decision had a part in, this included
     PixelSample out_;
 };
 

@@ -11,7 +11,8 @@ namespace nephele {
 
 class PrimaryGuiding {
   public:
-    PrimaryGuiding(const Settings& settings, const VspGuide* guide) : settings_(settings), guide_(guide) {}
+    PrimaryGuiding(const Settings& settings, const VspGuide* guide, const Counters& counters)
+        : settings_(settings), guide_(guide), start_(work(counters)) {}
 
     /// Whether camera rays are guided at all.
     bool active() const { return guide_ != nullptr; }
@@ -27,14 +28,22 @@ class PrimaryGuiding {
         return stream.run(beta);
     }
 
-    /// Decides between the stream's candidate and passing; updates beta. Emission is in the flight.
-    Flight decide(const Stream& stream, Rgb& beta, float distance, Rng& rng, const Counters& counters) {
+    /// Probability of scattering at the stream's candidate.
+    float probability(const Stream& stream) const {
+        return volume_probability(settings_, *guide_, stream.weights);
+    }
+    /// Whether to take direct light there in any case: where the path itself rarely goes, though not so
+    /// rarely that its light could not matter.
+    bool gathers(float p) const { return settings_.vsp_gather && p > kLeastGather && p < kMostGather; }
+
+    /// Decides with probability p between the stream's candidate and passing; updates beta. Emission is in
+    /// the flight.
+    Flight decide(const Stream& stream, float p, Rgb& beta, float distance, Rng& rng) {
         Flight flight{Flight::Event::absorbed, stream.t, stream.emitted, stream.albedo};
         const VspWeights& w = stream.weights;
         const float before = record_.probability;  // of having passed so far
-        const float p = volume_probability(settings_, *guide_, w);
         const bool scatters = p > 0 && rng.next() < p;
-        note(w.volume * before, w.surface * before, distance, counters);
+        note(w.volume * before, w.surface * before, distance);
         record_.transmittance *= w.passing_share;
         record_.majorant_depth += stream.majorant_depth;
         record_.scattered = scatters;
@@ -54,16 +63,18 @@ class PrimaryGuiding {
         const bool scattered = flight.event == Flight::Event::scattered;
         const float weight = flight.event == Flight::Event::absorbed ? 0 : mean(beta);
         // Weights and light of one sample alone have the right expectations; probabilities play no part.
-        note(scattered ? weight : 0, scattered ? 0 : weight, distance, ws.counters);
+        note(scattered ? weight : 0, scattered ? 0 : weight, distance);
         record_.transmittance *= scattered ? 0 : std::min(weight / before, 1e3f);
         record_.scattered = scattered;
         return flight;
     }
 
     /// What the path taught, once it has ended. volume, surface: light of either branch that the decision
-    /// had a part in.
-    void finish(Rgb volume, Rgb surface, const Counters& counters, PixelSample& out) {
-        record_.light = mean(record_.scattered ? volume : surface);
+    /// had a part in. gathered: direct light at the candidate, in any case; it counts as the volume's, or
+    /// the volume would be visited as rarely as if that light were not there, and what else there is with it.
+    void finish(Rgb volume, Rgb surface, Rgb gathered, const Counters& counters, PixelSample& out) {
+        const Rgb light = record_.scattered ? volume + gathered / record_.probability : surface;
+        record_.light = mean(light);
         record_.cost = work(counters) - start_;
         out.vsp = record_;
         const bool conditional = settings_.vsp_control == Settings::VspControl::conditional && resamples();
@@ -71,6 +82,8 @@ class PrimaryGuiding {
     }
 
   private:
+    static constexpr float kLeastGather = 0.02f, kMostGather = 0.5f;
+
     static std::optional<LightEstimate> light_estimate(const LightSet& lights, const Segment& segment,
                                                        Rng& rng) {
         constexpr std::size_t kMostLights = 64;  // more are not worth a look at each for every ray
@@ -87,12 +100,11 @@ class PrimaryGuiding {
         return out;
     }
 
-    void note(float volume_weight, float surface_weight, float distance, const Counters& counters) {
+    void note(float volume_weight, float surface_weight, float distance) {
         record_.known = true;
         record_.volume_weight += volume_weight;
         record_.surface_weight = surface_weight;
         record_.distance = distance;
-        start_ = work(counters);
     }
 
     /// Work so far, in density lookups; a ray costs about as much as kRay of them.
@@ -106,7 +118,7 @@ class PrimaryGuiding {
     const VspGuide* guide_;
     VspRecord record_;
     float passing_ = 1;  // probability of having passed so far
-    float start_ = 0;    // work before the decision
+    float start_ = 0;    // work before the path
 };
 
 }  // namespace nephele

@@ -1,42 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/intersector.h"
 
-#if NEPHELE_EMBREE_MAJOR >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <atomic>
 #include <deque>
 #include <map>
 #include <stdexcept>
 #include <string>
 
+#include "scene/embree_faces.h"
 #include "scene/reach.h"
-#include "scene/watertight.h"
 
 namespace nephele {
 
+using namespace embree;
+
 namespace {
-
-#if NEPHELE_EMBREE_MAJOR >= 4
-using QueryContext = RTCRayQueryContext;
-#else
-using QueryContext = RTCIntersectContext;
-#endif
-
-/// What the callbacks need; the Embree context comes first, so that its address is ours.
-struct Query {
-    QueryContext context;
-    HitFilter* filter;
-    const std::vector<bool>* flipped;
-};
-
-Hit hit_of(const RTCRay& ray, const RTCHit& hit) {
-    const bool instanced = hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-    return {ray.tfar, instanced ? hit.instID[0] : hit.geomID, hit.primID, hit.u, hit.v};
-}
 
 void run_filter(const RTCFilterFunctionNArguments* args) {
     if (args->valid[0] == 0)
@@ -48,68 +26,6 @@ void run_filter(const RTCFilterFunctionNArguments* args) {
     const bool front = ray.dir_x * hit.Ng_x + ray.dir_y * hit.Ng_y + ray.dir_z * hit.Ng_z < 0;
     if (!query.filter->accept(found, front != (*query.flipped)[found.instance]))
         args->valid[0] = 0;
-}
-
-/// Vertices of a mesh at equally spaced times of the shutter; one step where they stand still.
-struct Vertices {
-    const float* data;
-    std::size_t steps, floats;  ///< floats: of one step
-};
-Vertices own_vertices(const Mesh& mesh) {
-    return mesh.deforms() ? Vertices{mesh.motion_positions.data(), mesh.motion_steps, mesh.positions.size()}
-                          : Vertices{mesh.positions.data(), 1, mesh.positions.size()};
-}
-
-/// Triangles that Embree asks us about.
-struct OwnFaces {
-    Vertices vertices;
-    const std::int32_t* triangles;
-    float slack;  ///< of boxes, for the rounding of vertices as the ray sees them
-
-    /// At one of the vertices' steps.
-    Vec3f corner(unsigned face, unsigned i, std::size_t step) const {
-        const float* p = vertices.data + step * vertices.floats +
-                         3 * static_cast<std::size_t>(triangles[3 * std::size_t{face} + i]);
-        return {p[0], p[1], p[2]};
-    }
-    Vec3f corner_at(unsigned face, unsigned i, float time) const {
-        if (vertices.steps == 1)
-            return corner(face, i, 0);
-        const MotionPlace place(time, vertices.steps);
-        return lerp(corner(face, i, place.step), corner(face, i, place.step + 1), place.fraction);
-    }
-};
-
-void bound_face(const RTCBoundsFunctionArguments* args) {
-    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
-    const auto corner = [&](unsigned i) { return faces.corner(args->primID, i, args->timeStep); };
-    const Vec3f a = corner(0), b = corner(1), c = corner(2);
-    const Vec3f lo = min(a, min(b, c)) - Vec3f(faces.slack), hi = max(a, max(b, c)) + Vec3f(faces.slack);
-    RTCBounds& out = *args->bounds_o;
-    out.lower_x = lo.x, out.lower_y = lo.y, out.lower_z = lo.z;
-    out.upper_x = hi.x, out.upper_y = hi.y, out.upper_z = hi.z;
-}
-
-void intersect_face(const RTCIntersectFunctionNArguments* args) {
-    if (args->valid[0] == 0)
-        return;
-    const auto& faces = *static_cast<const OwnFaces*>(args->geometryUserPtr);
-    const auto& query = *reinterpret_cast<const Query*>(args->context);
-    auto& [ray, hit] = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const WatertightRay line({ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z});
-    const auto corner = [&](unsigned i) { return faces.corner_at(args->primID, i, ray.time); };
-    const auto met = line.meet(corner(0), corner(1), corner(2));
-    if (!met || !(met->t >= ray.tnear && met->t <= ray.tfar))
-        return;
-    const unsigned instance = query.context.instID[0];
-    const Hit found{met->t, instance == RTC_INVALID_GEOMETRY_ID ? args->geomID : instance, args->primID,
-                    met->u, met->v};
-    if (query.filter != nullptr &&
-        !query.filter->accept(found, met->front != (*query.flipped)[found.instance]))
-        return;
-    ray.tfar = met->t;
-    hit.u = met->u, hit.v = met->v;
-    hit.primID = args->primID, hit.geomID = args->geomID, hit.instID[0] = instance;
 }
 
 RTCRay rtc_ray(const Ray& r) {
@@ -129,11 +45,20 @@ Query query_of(HitFilter* filter, const std::vector<bool>& flipped) {
     rtcInitRayQueryContext(&query.context);
 #else
     rtcInitIntersectContext(&query.context);
+    query.context.filter = filter != nullptr ? run_filter : nullptr;
 #endif
     query.filter = filter;
     query.flipped = &flipped;
     return query;
 }
+#if NEPHELE_EMBREE_MAJOR >= 4
+/// Of rtcIntersect1 or rtcOccluded1.
+template <typename Arguments>
+void pass(Query& query, Arguments& args) {
+    args.context = &query.context;
+    args.filter = query.filter != nullptr ? run_filter : nullptr;
+}
+#endif
 
 void check(RTCDevice device, const char* what) {
     const RTCError error = rtcGetDeviceError(device);
@@ -315,11 +240,9 @@ Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
 #if NEPHELE_EMBREE_MAJOR >= 4
     RTCIntersectArguments args;
     rtcInitIntersectArguments(&args);
-    args.context = &query.context;
-    args.filter = filter != nullptr ? run_filter : nullptr;
+    pass(query, args);
     rtcIntersect1(impl_->top, &rh, &args);
 #else
-    query.context.filter = filter != nullptr ? run_filter : nullptr;
     rtcIntersect1(impl_->top, &query.context, &rh);
 #endif
     return rh.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : hit_of(rh.ray, rh.hit);
@@ -331,11 +254,9 @@ bool Intersector::occluded(const Ray& ray, HitFilter* filter) const {
 #if NEPHELE_EMBREE_MAJOR >= 4
     RTCOccludedArguments args;
     rtcInitOccludedArguments(&args);
-    args.context = &query.context;
-    args.filter = filter != nullptr ? run_filter : nullptr;
+    pass(query, args);
     rtcOccluded1(impl_->top, &r, &args);
 #else
-    query.context.filter = filter != nullptr ? run_filter : nullptr;
     rtcOccluded1(impl_->top, &query.context, &r);
 #endif
     return r.tfar < 0;

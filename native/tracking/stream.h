@@ -118,7 +118,7 @@ class StreamSampler {
     float scale_here() const {
         if (settings_.vsp_control == Settings::VspControl::exact)
             return scale_;
-        return std::min(scale_, std::max(kMostDepth / out_.majorant_depth, 1.0f));
+        return std::min(scale_, std::max(kMostDepth / out_.majorant_depth, least_scale(guide_)));
     }
 
     void gather(float t0, float t1) {
@@ -303,7 +303,8 @@ inline void StreamSampler::candidate(float t, float rate) {
 /// Russian roulette where what is still to come cannot matter against what was found, by what is known:
 /// unbiased, and it bounds the walk in dense media without a limit to its steps.
 inline bool StreamSampler::survives() {
-    constexpr float kNegligible = 0.02f;
+    // A stream that ends has to scatter: where a target is to be met, only what passes next to never may end.
+    const float negligible = settings_.vsp_control == Settings::VspControl::exact ? 1e-5f : 0.1f;
     const float volume = guide_.volume_radiance * (lights_ ? lights_->largest() : 1);
     const float ahead = max_component(T_) * std::max(volume, guide_.surface_radiance);
     // Denormals shrink no further where they are multiplied by more than one half.
@@ -312,7 +313,7 @@ inline bool StreamSampler::survives() {
         return false;
     }
     const float found = guide_.volume_radiance * out_.weights.volume;
-    const float survive = ahead / (kNegligible * (found + ahead));
+    const float survive = ahead / (negligible * (found + ahead));
     if (survive >= 1)
         return true;
     // Like a uniform number above `survive`, but never 0: a stream that has no chance does not survive.

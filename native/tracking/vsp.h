@@ -63,6 +63,14 @@ inline float depth_to_reach(float target) {
 /// lookups than they save noise.
 inline constexpr float kMostDepth = 4;
 
+/// The least factor on majorants under conditional control. Tight majorants leave nothing to resample: either
+/// a candidate takes all, or all passes. What matters behind is worth more candidates, which make the
+/// transmittance less noisy.
+inline float least_scale(const VspGuide& guide) {
+    constexpr float kRoom = 4;
+    return 1 + kRoom * (1 - guide.target);
+}
+
 /// What the majorants are multiplied by. depth: their optical depth along the segment.
 inline float rate_scale(const Settings& settings, const VspGuide& guide, float depth) {
     if (settings.vsp_control == Settings::VspControl::exact) {
@@ -74,7 +82,7 @@ inline float rate_scale(const Settings& settings, const VspGuide& guide, float d
     }
     if (!(depth > 0))
         return 1;
-    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, 1.0f, 1e6f);
+    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, least_scale(guide), 1e6f);
 }
 
 }  // namespace nephele

@@ -147,7 +147,7 @@ def test_unregistering_leaves_nothing(bpy, addon):
     try:
         assert "NEPHELE" not in panel.COMPAT_ENGINES
         assert not hasattr(bpy.context.scene, "nephele")
-        assert not [name for name in dir(bpy.types) if name.startswith("NEPHELE_PT")]
+        assert not [name for name in dir(bpy.types) if name.startswith(("NEPHELE_PT", "NEPHELE_OT"))]
     finally:
         addon.register()
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from keyframes import animate
 from nephele import blend_source
 
 TRIANGLE = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
@@ -38,20 +39,6 @@ def triangle(bpy, link):
     mesh = bpy.data.meshes.new("Triangle")
     mesh.from_pydata(TRIANGLE, [], [(0, 1, 2)])
     return link("Triangle", mesh)
-
-
-def animate(owner, path, values):
-    """Keys `path` of owner linearly: values, frame -> value."""
-    for frame, value in values.items():
-        setattr(owner, path, value)
-        owner.keyframe_insert(path, frame=frame)
-    action = owner.id_data.animation_data.action
-    curves = (
-        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbags[0].fcurves
-    )
-    for curve in curves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
 
 
 def places(motion):

@@ -41,6 +41,18 @@ struct Dense {
             return background;
         return values[static_cast<std::size_t>((i * size[1] + j) * size[2] + k)];
     }
+    /// A random point in the grid or a little beyond; three of four points n have a coordinate on a
+    /// multiple of 1 / steps, which are voxel centres, and what lies between them.
+    Vec3f point(Rng& rng, int n, float steps) const {
+        Vec3f p;
+        for (int a = 0; a < 3; ++a) {
+            const auto i = static_cast<std::size_t>(a);
+            p[a] = static_cast<float>(corner[i] - 3) + rng.next() * static_cast<float>(size[i] + 6);
+            if (n % 4 == a)
+                p[a] = std::floor(steps * p[a]) / steps;
+        }
+        return p;
+    }
     std::shared_ptr<const BrickGrid> grid(VoxelType type) const {
         return brick_grid_of_dense(corner, size, values.data(), background, type);
     }
@@ -78,14 +90,7 @@ TEST_P(BrickGridOfType, TrilinearMatchesTheFormulaInDoublePrecision) {
     const auto grid = dense.grid(GetParam());
     Rng rng(11);
     for (int n = 0; n < 200000; ++n) {
-        Vec3f p;
-        for (int a = 0; a < 3; ++a) {
-            const auto i = static_cast<std::size_t>(a);
-            p[a] =
-                static_cast<float>(dense.corner[i] - 3) + rng.next() * static_cast<float>(dense.size[i] + 6);
-            if (n % 4 == a)
-                p[a] = std::floor(p[a]);  // on voxel centres, too
-        }
+        const Vec3f p = dense.point(rng, n, 1);
         const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
         const double f[3] = {double{p.x} - i, double{p.y} - j, double{p.z} - k};
         double expected = 0;
@@ -129,14 +134,7 @@ TEST_P(BrickGridOfType, NearestAndTricubicMatchTheirFormulasInDoublePrecision) {
     const auto grid = dense.grid(GetParam());
     Rng rng(14);
     for (int n = 0; n < 50000; ++n) {
-        Vec3f p;
-        for (int a = 0; a < 3; ++a) {
-            const auto i = static_cast<std::size_t>(a);
-            p[a] =
-                static_cast<float>(dense.corner[i] - 3) + rng.next() * static_cast<float>(dense.size[i] + 6);
-            if (n % 4 == a)
-                p[a] = std::floor(2 * p[a]) / 2;  // on voxel centres and between them, too
-        }
+        const Vec3f p = dense.point(rng, n, 2);
         const int i = floor_to_int(p.x), j = floor_to_int(p.y), k = floor_to_int(p.z);
         double expected = 0;
         for (int c = 0; c < 64; ++c) {

@@ -11,8 +11,10 @@
 namespace nephele {
 namespace {
 
-constexpr PassId kSome[] = {PassId::combined, PassId::volume, PassId::surface, PassId::variance,
-                            PassId::depth,    PassId::normal, PassId::cost,    PassId::sample_count};
+constexpr PassId kSome[] = {PassId::combined,   PassId::volume,       PassId::surface,
+                            PassId::variance,   PassId::depth,        PassId::normal,
+                            PassId::cost,       PassId::sample_count, PassId::surface_variance,
+                            PassId::vsp_target, PassId::vsp_achieved, PassId::majorant_optical_depth};
 
 PixelSample sample_of(float light) {
     PixelSample s;
@@ -22,6 +24,9 @@ PixelSample sample_of(float light) {
     s.normal = {0, 0, 1};
     s.cost = light;
     s.alpha = 0.5f;
+    s.vsp_target = light / 4;
+    s.vsp_achieved = light > 2;
+    s.majorant_depth = 100 * light;
     return s;
 }
 
@@ -54,30 +59,56 @@ TEST(Film, ExposureScalesLightAlone) {
     EXPECT_EQ(film.read(PassId::normal)[2], 1);
 }
 
-TEST(Film, VarianceIsThatOfTheMeanAveragedOverChannels) {
-    Film film(1, 1, kSome);
+TEST(Film, AveragesWhatGuidingSays) {
+    constexpr PassId passes[] = {PassId::vsp_target, PassId::vsp_achieved, PassId::majorant_optical_depth};
+    Film film(1, 1, passes);
+    film.add(0, 0, sample_of(1), 4);
+    film.add(0, 0, sample_of(3), 4);
+    EXPECT_EQ(film.read(PassId::vsp_target)[0], 0.5f);
+    EXPECT_EQ(film.read(PassId::vsp_achieved)[0], 0.5f);
+    EXPECT_EQ(film.read(PassId::majorant_optical_depth)[0], 200);
+}
+
+/// Estimated variance of the mean of each channel, averaged over the channels, in two passes over the values.
+double variance_of_mean(const std::vector<Rgb>& values) {
+    const auto n = static_cast<double>(values.size());
+    double result = 0;
+    for (int c = 0; c < 3; ++c) {
+        double mean = 0, sum = 0;
+        for (const Rgb& x : values)
+            mean += double{x[c]} / n;
+        for (const Rgb& x : values)
+            sum += (double{x[c]} - mean) * (double{x[c]} - mean);
+        result += sum / (n - 1) / n / 3;
+    }
+    return result;
+}
+
+TEST(Film, VariancesAreThoseOfTheMeansAveragedOverChannels) {
+    constexpr PassId passes[] = {PassId::combined, PassId::variance, PassId::volume_variance,
+                                 PassId::surface_variance};
+    Film film(1, 1, passes);
     Rng rng(2);
-    std::vector<double> values[3];
+    std::vector<Rgb> light, volume, surface;
     for (int n = 0; n < 50; ++n) {
         PixelSample s;
         s.volume = {rng.next(), 2 * rng.next(), 1000 + rng.next()};
-        film.add(0, 0, s, 1);
-        for (int c = 0; c < 3; ++c)
-            values[c].push_back(double{s.volume[c]});
+        s.surface = {3 * rng.next(), 0, 100 + 10 * rng.next()};
+        film.add(0, 0, s, 2);
+        volume.push_back(2 * s.volume);
+        surface.push_back(2 * s.surface);
+        light.push_back(2 * (s.volume + s.surface));
         if (n == 0) {
             EXPECT_EQ(film.read(PassId::variance)[0], 0);
+            EXPECT_EQ(film.read(PassId::volume_variance)[0], 0);
         }
     }
-    double expected = 0;
-    for (const auto& v : values) {
-        double mean = 0, sum = 0;
-        for (const double x : v)
-            mean += x / 50;
-        for (const double x : v)
-            sum += (x - mean) * (x - mean);
-        expected += sum / 49 / 50 / 3;
-    }
-    EXPECT_NEAR(film.read(PassId::variance)[0], expected, 1e-5 * expected);
+    const auto expect = [&](PassId pass, double expected) {
+        EXPECT_NEAR(film.read(pass)[0], expected, 1e-5 * expected);
+    };
+    expect(PassId::variance, variance_of_mean(light));
+    expect(PassId::volume_variance, variance_of_mean(volume));
+    expect(PassId::surface_variance, variance_of_mean(surface));
 }
 
 TEST(Film, SumsInDoublePrecision) {
@@ -109,13 +140,22 @@ TEST(Film, HoldsOnlyWhatWasAskedFor) {
     EXPECT_EQ(saved.at("depth").size(), 16u);
 }
 
-TEST(Film, VarianceWithoutCombinedDoesNotGiveCombined) {
-    const PassId one[] = {PassId::variance};
-    Film film(1, 1, one);
-    film.add(0, 0, sample_of(1), 1);
-    film.add(0, 0, sample_of(3), 1);
-    EXPECT_GT(film.read(PassId::variance)[0], 0);
-    EXPECT_THROW(film.read(PassId::combined), std::invalid_argument);
+TEST(Film, AVarianceAloneDoesNotGiveItsMean) {
+    constexpr std::pair<PassId, PassId> pairs[] = {{PassId::variance, PassId::combined},
+                                                   {PassId::volume_variance, PassId::volume},
+                                                   {PassId::surface_variance, PassId::surface}};
+    for (const auto& [variance, mean] : pairs) {
+        Film film(1, 1, {&variance, 1});
+        film.add(0, 0, sample_of(1), 1);
+        film.add(0, 0, sample_of(3), 1);
+        EXPECT_GT(film.read(variance)[0], 0);
+        EXPECT_FALSE(film.has(mean));
+        EXPECT_THROW(film.read(mean), std::invalid_argument);
+
+        Film again(1, 1, {&variance, 1});
+        again.restore(film.save());
+        EXPECT_EQ(again.read(variance), film.read(variance));
+    }
 }
 
 TEST(Film, RestoresWhatItSavedAndRefusesWhatDoesNotFit) {

@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <fstream>
-#include <thread>
 
 #include <tbb/parallel_for.h>
 
@@ -123,30 +122,6 @@ TEST_F(GridCacheTest, WhatTheNewSceneDoesNotUseIsLetGo) {
     EXPECT_EQ(cache_.size(), 0u);
 }
 
-TEST_F(GridCacheTest, ExpectingTheNewDropsTheOldBeforeAnythingIsRead) {
-    const std::string a = write_value("a.vdb", 1), b = write_value("b.vdb", 2), c = write_value("c.vdb", 3);
-    std::weak_ptr<const LoadedGrid> of_a, of_b;
-    std::weak_ptr<const int> built_of_a, built_of_b, built_of_both;
-    const auto one = [] { return 1; };
-    {
-        GridCacheScope scope(cache_);
-        of_a = scope.grid(a, "density");
-        of_b = scope.grid(b, "density");
-        const std::uint64_t id_a = of_a.lock()->id, id_b = of_b.lock()->id;
-        built_of_a = scope.get_or_make<int>("x", {id_a}, one);
-        built_of_b = scope.get_or_make<int>("x", {id_b}, one);
-        built_of_both = scope.get_or_make<int>("x", {id_a, id_b}, one);
-        scope.commit();
-    }
-    GridCacheScope scope(cache_);
-    scope.expect({{b, "density", {}}, {c, "density", {}}, {"/nowhere", "density", {}}});
-    EXPECT_TRUE(of_a.expired());
-    EXPECT_TRUE(built_of_a.expired());
-    EXPECT_TRUE(built_of_both.expired());
-    EXPECT_FALSE(of_b.expired());
-    EXPECT_FALSE(built_of_b.expired());
-}
-
 TEST_F(GridCacheTest, AliveGridsAreSharedBetweenScenes) {
     const std::string path = write_value("a.vdb", 1);
     GridCacheScope first(cache_), second(cache_), third(cache_);
@@ -173,6 +148,42 @@ TEST_F(GridCacheTest, ErrorsAreNotKept) {
     for (int n = 0; n < 2; ++n)
         EXPECT_EQ(error_of([&] { scope.get_or_make<int>("fails", {}, fail); }), "no");
     EXPECT_EQ(calls, 2);
+}
+
+// The cache asks for a file's stamp before it reads, and again after.
+TEST_F(GridCacheTest, AFileThatNeverRestsIsAnError) {
+    const std::string path = write_value("a.vdb", 1);
+    std::int64_t asked = 0;
+    bool rests = false;
+    GridCache cache([&](const std::string& file) {
+        FileStamp stamp = stamp_of(file);
+        if (!rests)
+            stamp.changed += ++asked;
+        return stamp;
+    });
+    GridCacheScope scope(cache);
+    EXPECT_EQ(error_of([&] { scope.grid(path, "density"); }),
+              path + " is being written to while it is read: render once it is complete");
+    EXPECT_EQ(asked, 6);  // three readings
+    rests = true;
+    EXPECT_EQ(value_of(*scope.grid(path, "density")), 1.0f);  // the error was not kept
+    EXPECT_EQ(value_of(*scope.grid(path, "density")), 1.0f);
+    EXPECT_EQ(cache.statistics().hits, 1u);
+}
+
+TEST_F(GridCacheTest, AFileWrittenToWhileItIsReadIsReadAgain) {
+    const std::string path = write_value("a.vdb", 1);
+    int asked = 0;
+    GridCache cache([&](const std::string& file) {
+        if (++asked == 2)  // the first reading is over
+            write_value("a.vdb", 2);
+        return stamp_of(file);
+    });
+    GridCacheScope scope(cache);
+    EXPECT_EQ(value_of(*scope.grid(path, "density")), 2.0f);
+    EXPECT_EQ(asked, 4);
+    EXPECT_EQ(value_of(*scope.grid(path, "density")), 2.0f);
+    EXPECT_EQ(cache.statistics().hits, 1u);
 }
 
 TEST_F(GridCacheTest, EqualRequestsAtOnceBuildOnce) {

@@ -14,7 +14,8 @@ constexpr int kSide = 48;
 
 /// n samples of this light per unit of weight.
 BranchSums samples_of(float light, float weight = 1, float n = 1) {
-    return {n * weight, n * light * weight, n * light * light * weight * weight, 3 * n, n};
+    const float x = light * weight, square = light * light * weight;
+    return {n * weight, n * x, n * x * x, n * square, n * square * square, 3 * n, n};
 }
 std::size_t pixel(int x, int y) {
     return static_cast<std::size_t>(y * kSide + x);
@@ -50,7 +51,7 @@ TEST(Pool, WithoutSamplesIsZero) {
         EXPECT_EQ(p.cost, 0);
     }
     // Weights alone: the branch was never taken.
-    for (const Pooled& p : pool(kSide, kSide, image_of({5, 0, 0, 0, 0}), {}))
+    for (const Pooled& p : pool(kSide, kSide, image_of({5, 0, 0, 0, 0, 0, 0}), {}))
         EXPECT_EQ(p.light, 0);
     EXPECT_EQ(pool(1, 1, {samples_of(2)}, {})[0].light, 2);
 }

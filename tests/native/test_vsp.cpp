@@ -97,8 +97,9 @@ class VspIn : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Media, VspIn, testing::ValuesIn(full_cases()),
                          [](const auto& test) { return test.param.name; });
 
-// In dense media streams end by Russian roulette, with nothing that passes: these have to scatter, and the
-// target is what the others keep to. In a closed form this starts where exp(-depth) is 0 in floats, at 104.
+// Beyond some ten mean free paths streams end by Russian roulette, with nothing that passes: these have to
+// scatter, and the target is what the others keep to. In a closed form this starts where exp(-depth) is 0 in
+// floats, at 104.
 TEST_P(VspIn, ExactControlAchievesItsTargetFromOneMillionthToAMillionMeanFreePaths) {
     for (const double depth : {1e-6, 1e-4, 1e-2, 0.3, 1.0, 3.0, 30.0, 1e3, 1e6}) {
         Line line = GetParam().line();
@@ -109,8 +110,8 @@ TEST_P(VspIn, ExactControlAchievesItsTargetFromOneMillionthToAMillionMeanFreePat
             const int streams = depth > 3 ? 500 : 3000;
             const Achieved a = Achieved::of(walker, streams);
             const double open = 1 - static_cast<double>(a.opaque) / streams;
-            if (depth < 0.1) {
-                EXPECT_EQ(a.opaque, 0) << "streams ended before the segment did";
+            if (depth < 5) {
+                EXPECT_LT(a.z(a.scattered, double{target}), kSigmas) << a.opaque << " streams ended";
             }
             EXPECT_LT(a.z(a.scattered_where_open, double{target} * open), kSigmas)
                 << a.scattered_where_open << " of " << streams << ", open " << open;

@@ -40,7 +40,15 @@ VspRecord record_of(float p, float volume, float surface, float noise, Rng& rng,
     return r;
 }
 
-/// Ratio of the radiances that a buffer of 16 x 16 pixels learned on average.
+/// Ratio of the radiances that a buffer of 16 x 16 pixels learned, on average.
+double ratio_of(const VspBuffer& buffer) {
+    double volume = 0, surface = 0;
+    for (int i = 0; i < 256; ++i) {
+        volume += double{buffer.guide(i % 16, i / 16).volume_radiance};
+        surface += double{buffer.guide(i % 16, i / 16).surface_radiance};
+    }
+    return volume / surface;
+}
 double learned_ratio(Settings::VspCriterion criterion, float volume, float surface, float noise,
                      const std::vector<float>& probabilities, int samples) {
     VspBuffer buffer(16, 16, buffer_settings(criterion));
@@ -52,19 +60,14 @@ double learned_ratio(Settings::VspCriterion criterion, float volume, float surfa
         }
     }
     buffer.update();
-    double volume_sum = 0, surface_sum = 0;
-    for (int i = 0; i < 256; ++i) {
-        volume_sum += double{buffer.guide(i % 16, i / 16).volume_radiance};
-        surface_sum += double{buffer.guide(i % 16, i / 16).surface_radiance};
-    }
-    return volume_sum / surface_sum;
+    return ratio_of(buffer);
 }
 
 TEST(VspBuffer, LearnsTheSameMomentsWhateverTheProbabilitiesWere) {
     for (const auto criterion : {kContribution, kVariance}) {
         for (const std::vector<float>& p : {std::vector<float>{0.5f}, {0.05f}, {0.95f}, {0.2f, 0.9f, 0.5f}}) {
             // Noise is the same in both branches here, and does not change the ratio of the moments' roots.
-            EXPECT_NEAR(learned_ratio(criterion, 3, 0.5f, 0.5f, p, 300), 6, 0.15)
+            EXPECT_NEAR(learned_ratio(criterion, 3, 0.5f, 0.5f, p, 300), 6, 0.25)
                 << "p " << p[0] << ", criterion " << static_cast<int>(criterion);
         }
     }
@@ -73,16 +76,15 @@ TEST(VspBuffer, LearnsTheSameMomentsWhateverTheProbabilitiesWere) {
 TEST(VspBuffer, TheVarianceCriterionSeesNoise) {
     VspBuffer buffer(16, 16, buffer_settings(kVariance));
     Rng rng(173);
-    for (int n = 0; n < 40000; ++n) {
+    for (int n = 0; n < 400000; ++n) {
         VspRecord r = record_of(0.4f, 1, 1, 0, rng);
         if (r.scattered)
             r.light *= rng.next() < 0.25f ? 4.0f : 0.0f;  // a second moment of 4
         buffer.add(n % 16, n / 16 % 16, r);
     }
     buffer.update();
-    const VspGuide guide = buffer.guide(8, 8);
-    EXPECT_NEAR(guide.volume_radiance / guide.surface_radiance, 2, 0.1);
-    EXPECT_NEAR(guide.target, 2 * 0.4 / (2 * 0.4 + 0.6), 0.02);
+    EXPECT_NEAR(ratio_of(buffer), 2, 0.05);
+    EXPECT_NEAR(buffer.guide(8, 8).target, 2 * 0.4 / (2 * 0.4 + 0.6), 0.03);
 }
 
 TEST(VspBuffer, CostLowersTheDearerBranch) {
@@ -121,7 +123,7 @@ TEST(VspBuffer, WithoutSamplesGuidesAreNeutral) {
 }
 
 TEST(VspBuffer, GuidesAreSoundWhateverTheSamplesWere) {
-    const float lights[] = {0, 1e-30f, 1, 1e9f, 1e15f, 1e20f, 1e30f};
+    const float lights[] = {0, 1e-30f, 1e-12f, 1, 1e9f, 1e15f, 1e20f, 1e30f};
     const float weights[] = {0, 1e-38f, 1e-12f, 1, 1e6f};
     for (const auto criterion : {kContribution, kVariance}) {
         for (const float light : lights) {

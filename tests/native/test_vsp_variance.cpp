@@ -95,11 +95,11 @@ TEST_P(VarianceIn, ConditionalControlIsNotAboveTheOthers) {
                                                       : 0);
     }
     const double conditional = of_control(Control::conditional, 1);
-    // Noise of variances of 30000 values, and rounding where there is none.
-    constexpr double kNoise = 1.1, kRounding = 1e-6;
-    EXPECT_LT(conditional, kNoise * variance_of(delta, kStreams) + kRounding);
-    EXPECT_LT(conditional, kNoise * of_control(Control::exact, 1) + kRounding);
-    EXPECT_LT(conditional, kNoise * of_control(Control::exact, 0.75f) + kRounding);
+    // Noise of variances of 30000 values, and what Russian roulette adds where there is none.
+    constexpr double kNoise = 1.1, kLeast = 1e-4;
+    EXPECT_LT(conditional, kNoise * variance_of(delta, kStreams) + kLeast);
+    EXPECT_LT(conditional, kNoise * of_control(Control::exact, 1) + kLeast);
+    EXPECT_LT(conditional, kNoise * of_control(Control::exact, 0.75f) + kLeast);
 }
 
 }  // namespace

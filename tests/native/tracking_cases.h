@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Media along a slanted ray that every way of sampling distances has to get right: thin and dense, smooth,
-// noisy and spiky, chromatic, overlapping, made by programs.
+// Lines through media, thin and dense, grey and chromatic, one and several, for tests of flights and
+// transmittance.
 #pragma once
 
 #include <string>
 
+#include "cell_counts.h"
 #include "media_fixtures.h"
 
 namespace nephele::test {
@@ -30,6 +31,7 @@ inline float noisy(int i, int j, int k) {
     return Rng(static_cast<std::uint64_t>((i * 64 + j) * 64 + k)).next();
 }
 
+/// A line, made anew by each test, which may change it.
 struct Case {
     std::string name;
     std::function<Line()> line;
@@ -105,6 +107,13 @@ inline std::vector<Case> cases() {
              return line;
          }},
     };
+}
+
+inline Settings settings_of(Settings::Tracking tracking, bool global) {
+    Settings s;
+    s.tracking = tracking;
+    s.majorant = global ? Settings::Majorant::global : Settings::Majorant::grid;
+    return s;
 }
 
 }  // namespace nephele::test

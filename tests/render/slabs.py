@@ -46,9 +46,11 @@ def slab(b, medium, view, world=None, lights=()):
 
 
 def beam(mu0, irradiance):
-    """Returns a sun without extent; irradiance: on a plane normal to the beam."""
+    """Returns a sun without extent; irradiance: on a plane normal to the beam. Its own limit of bounces is no
+    lower than the paths'."""
     to_sun = (np.sqrt(1 - mu0 * mu0), 0.0, mu0)
-    return d.Light("beam", "sun", facing(to_sun, (0, 0, 0)), (irradiance,) * 3)
+    bounces = NO_LIMIT["max_bounces"]
+    return d.Light("beam", "sun", facing(to_sun, (0, 0, 0)), (irradiance,) * 3, max_bounces=bounces)
 
 
 def under_screen(b, medium, below=False, **scene):

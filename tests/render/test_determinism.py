@@ -3,7 +3,6 @@
 cancelling; passes that fit together and hold what they say."""
 
 import time
-from pathlib import Path
 
 import nephele_native
 import numpy as np
@@ -13,6 +12,7 @@ from nephele import passes as pass_table
 from truth import (
     NO_LIMIT,
     RAY,
+    ROUGH_BALL,
     Scene,
     box,
     diffuse,
@@ -26,7 +26,6 @@ from truth import (
     sphere,
 )
 
-GRID = Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
 ALL = tuple(p.name for p in pass_table.PASSES)
 
 
@@ -36,7 +35,7 @@ def small_world():
     lamp = d.Light("lamp", "area", facing((1, -1, 2), (0, 0, 0)), (50.0, 40.0, 30.0))
     scene = Scene(perspective((0, -4, 0.5), (0, 0, 0), 0.4), sky, lights=(lamp,))
     scene.add_volume(
-        GRID,
+        ROUGH_BALL,
         d.VolumeClosure((2, 3, 4), (0.5, 0.2, 0.1), (0.1, 0, 0.2), d.Phase(a=0.5), density_grid="density"),
     )
     scene.add(box((-3, -3, -1.4), (3, 3, -1)), diffuse((0.8, 0.6, 0.4)))
@@ -169,21 +168,20 @@ def test_passes_do_not_change_each_other(reference):
 
 
 def test_volume_and_surface_add_up_and_variance_is_that_of_the_mean():
+    parts = {"Combined": "Variance", "Volume": "Volume Variance", "Surface": "Surface Variance"}
     spread = small_world().description(
-        (24, 16),
-        ("Combined", "Volume", "Surface", "Variance", "Sample Count"),
-        samples=64,
-        sampler="independent",
+        (24, 16), (*parts, *parts.values(), "Sample Count"), samples=64, sampler="independent"
     )
     images = finished(spread)
     assert np.allclose(images["Volume"] + images["Surface"], images["Combined"], rtol=1e-6, atol=1e-7)
     assert np.all(images["Sample Count"] == 64)
     seeds = [
-        small_world().render(size=(24, 16), samples=64, sampler="independent", seed=s)["Combined"]
+        small_world().render(tuple(parts), size=(24, 16), samples=64, sampler="independent", seed=s)
         for s in range(1, 25)
     ]
-    measured = np.var(seeds, axis=0, ddof=1).mean()  # of 24 seeds x 1152 values
-    assert images["Variance"].mean() == pytest.approx(measured, rel=0.1)
+    for mean, variance in parts.items():
+        measured = np.var([seed[mean][..., :3] for seed in seeds], axis=0, ddof=1).mean()  # of 24 x 1152
+        assert images[variance].mean() == pytest.approx(measured, rel=0.1), variance
 
 
 def test_features_of_a_plane():
@@ -193,6 +191,7 @@ def test_features_of_a_plane():
     view = orthographic((0, -2, 2), (0, 0, 0), 0.5)
     scene = Scene(view, world_volume=(fog,)).add(box((-9, -9, -1), (9, 9, 0)), diffuse((0.2, 0.5, 0.9)))
     names = ("Depth", "Normal", "Albedo", "Transmittance", "Emission", "Mist", "Volume Albedo")
+    names += ("Majorant Optical Depth",)
     images = scene.render(names, size=16, samples=4, pixel_filter="box")
     middle = images["Depth"][7:9].mean()
     assert middle == pytest.approx(8**0.5, rel=0.01)
@@ -203,6 +202,7 @@ def test_features_of_a_plane():
     assert np.allclose(
         images["Transmittance"][7:9].mean((0, 1)), np.exp(-(8**0.5) * np.array([0.2, 0.4, 0.6])), rtol=0.01
     )
+    assert images["Majorant Optical Depth"][7:9].mean() == pytest.approx(8**0.5 * 0.6, rel=0.01)
     assert not images["Emission"].any()
     scattered = images["Volume Albedo"].max(-1) > 0
     assert np.allclose(images["Volume Albedo"].sum((0, 1)) / images["Volume Albedo"][..., :1].sum((0, 1)), 1)
@@ -217,6 +217,13 @@ def test_empty_pixels_say_so():
     assert np.all(images["Mist"] == 1)
     assert not images["Albedo"].any()
     assert not images["Combined"].any()
+
+
+def test_majorants_without_end_stay_finite():
+    fog = d.VolumeClosure((0.1, 0.1, 0.1), (0, 0, 0))
+    scene = Scene(perspective((0, 0, 5), (0, 0, 9)), world_volume=(fog,))
+    depth = scene.render(("Majorant Optical Depth",), size=4, samples=3)["Majorant Optical Depth"]
+    assert np.all(depth == 1e6)
 
 
 def test_visibility_hides_from_the_kinds_of_rays_named():

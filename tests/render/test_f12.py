@@ -77,6 +77,14 @@ def test_every_pass_of_the_add_on_arrives(bpy, scene, tmp_path):
         np.testing.assert_allclose(total, channels[f"ViewLayer.Combined.{c}"], rtol=1e-5, atol=1e-6)
     assert (channels["ViewLayer.Sample Count.X"] == 4).all()
     assert (channels["ViewLayer.Cost.X"] > 0).any()
+    depth = channels["ViewLayer.Majorant Optical Depth.X"]
+    assert 10 < depth.max() <= 1e6
+    assert bpy.ops.nephele.vsp_view(map="Majorant Optical Depth") == {"FINISHED"}
+    view = bpy.data.images["VSP View"]
+    assert view.size[0] == 48 and view.size[1] > 32
+    # As bright as the map, row by row: the cloud is in the upper half of both.
+    lightness = np.array(view.pixels[:]).reshape(view.size[1], 48, 4)[-32:, :, :3].sum(-1)
+    assert np.corrcoef(lightness.ravel(), np.log(np.maximum(depth[::-1], 1e-3)).ravel())[0, 1] > 0.9
 
 
 def test_a_border_is_the_same_part_of_the_full_picture(bpy, scene, tmp_path):

@@ -9,14 +9,13 @@ image together at 1e-4 (Sidak): a bias of some pixels alone (a silhouette, a sea
 triangles) shows there.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from nephele import description as d
 from truth import (
     BOX_FILTER,
     NO_LIMIT,
+    ROUGH_BALL,
     Scene,
     assert_blocks,
     assert_mean,
@@ -25,21 +24,15 @@ from truth import (
     emission,
     glass,
     joined,
+    medium,
     perspective,
     placed,
     sphere,
 )  # fmt: skip
 
-GRID = (
-    Path(__file__).resolve().parents[2] / "blend_scenes" / "furnace" / "furnace.vdb"
-)  # a rough ball, radius 0.9
 OUTSIDE, INSIDE = ((3.1, -1.2, 0.9), (0, 0, 0)), ((0.1, 0.05, -0.1), (1, 0.3, 0.2))
 WHITE = emission(1.0)
 SIGMA_S = {"grey": (3.0, 3.0, 3.0), "chromatic": (1.0, 3.0, 8.0)}
-
-
-def medium(sigma_s, g, **more):
-    return d.VolumeClosure(tuple(np.broadcast_to(sigma_s, 3)), phase=d.Phase(a=g), **more)
 
 
 def check(scene, expected=1.0, samples=256, most=0.004, **settings):
@@ -53,7 +46,9 @@ def check(scene, expected=1.0, samples=256, most=0.004, **settings):
 @pytest.mark.parametrize("color", SIGMA_S)
 def test_furnace_of_a_homogeneous_mesh(view, g, color):
     check(
-        Scene(perspective(*view), WHITE).add(box((-1, -1, -1), (1, 1, 1)), None, (medium(SIGMA_S[color], g),))
+        Scene(perspective(*view), WHITE).add(
+            box((-1, -1, -1), (1, 1, 1)), None, (medium(SIGMA_S[color], g=g),)
+        )
     )
 
 
@@ -62,7 +57,9 @@ def test_furnace_of_a_homogeneous_mesh(view, g, color):
 @pytest.mark.parametrize("color", SIGMA_S)
 def test_furnace_of_a_grid(view, g, color):
     check(
-        Scene(perspective(*view), WHITE).add_volume(GRID, medium(SIGMA_S[color], g, density_grid="density"))
+        Scene(perspective(*view), WHITE).add_volume(
+            ROUGH_BALL, medium(SIGMA_S[color], g=g, density_grid="density")
+        )
     )
 
 
@@ -74,12 +71,12 @@ def test_furnace_of_a_grid(view, g, color):
 def test_furnace_of_overlapping_chromatic_media(settings):
     """A grid with two closures, two meshes that cut through it, one of them around the camera."""
     closures = (
-        medium((1, 2, 4), 0.7, density_grid="density"),
-        medium((2, 1, 0.5), -0.3, density_grid="density"),
+        medium((1, 2, 4), g=0.7, density_grid="density"),
+        medium((2, 1, 0.5), g=-0.3, density_grid="density"),
     )
-    scene = Scene(perspective((1.2, 0.1, 0.2), (0, 0, 0)), WHITE).add_volume(GRID, *closures)
-    scene.add(box((0, -1, -1), (1.5, 1, 1), "right"), None, (medium((0.2, 1, 3), 0.5),))
-    scene.add(sphere(0.8, 2), None, (medium((2, 0.3, 0), 0.0),), placed(0.4, 0.3, 0))
+    scene = Scene(perspective((1.2, 0.1, 0.2), (0, 0, 0)), WHITE).add_volume(ROUGH_BALL, *closures)
+    scene.add(box((0, -1, -1), (1.5, 1, 1), "right"), None, (medium((0.2, 1, 3), g=0.5),))
+    scene.add(sphere(0.8, 2), None, (medium((2, 0.3, 0), g=0.0),), placed(0.4, 0.3, 0))
     check(scene, **settings)
 
 
@@ -87,7 +84,7 @@ def test_furnace_of_overlapping_chromatic_media(settings):
 def test_furnace_of_a_nested_shell(view):
     """One mesh of two spheres, the inner one turned inwards: the medium lies between them."""
     shell = joined(sphere(1.0, 3), sphere(0.6, 3, inwards=True))
-    check(Scene(perspective(*view), WHITE).add(shell, None, (medium((2, 4, 6), 0.3),)))
+    check(Scene(perspective(*view), WHITE).add(shell, None, (medium((2, 4, 6), g=0.3),)))
 
 
 def test_furnace_of_white_diffuse_surfaces():
@@ -101,7 +98,7 @@ def test_furnace_of_lossless_glass_with_a_medium_inside(roughness):
     """Rough glass by multiple-scattering GGX would be exact too; single scattering is what mode 0 means,
     so only the smooth one conserves energy, and the rough one must not gain any."""
     scene = Scene(perspective((0, -4, 1.0), (0, 0, 0)), WHITE)
-    scene.add(sphere(0.8, 4), glass(1.5, roughness), (medium((1, 2, 3), 0.5),))
+    scene.add(sphere(0.8, 4), glass(1.5, roughness), (medium((1, 2, 3), g=0.5),))
     if roughness == 0:
         check(scene, most=0.01)
     else:
@@ -113,10 +110,10 @@ def test_furnace_of_lossless_glass_with_a_medium_inside(roughness):
 def test_furnace_of_a_white_room_in_a_medium():
     """Surfaces inside media inside media: a diffuse ball in a grid in a box."""
     scene = Scene(perspective(*OUTSIDE), WHITE).add_volume(
-        GRID, medium((2, 2, 2), 0.4, density_grid="density")
+        ROUGH_BALL, medium((2, 2, 2), g=0.4, density_grid="density")
     )
     scene.add(sphere(0.5, 3), diffuse(1.0)).add(
-        box((-1, -1, -1), (1, 1, 1)), None, (medium((0.5, 1, 2), 0.0),)
+        box((-1, -1, -1), (1, 1, 1)), None, (medium((0.5, 1, 2), g=0.0),)
     )
     check(scene)
 

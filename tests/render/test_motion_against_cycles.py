@@ -8,23 +8,15 @@ import math
 from pathlib import Path
 
 import pytest
+from keyframes import animate
 from test_against_cycles import BOUNCES, compare
 
 FRAME = 5
 
 
-def animate(owner, path, start, end):
-    """Keys `path` of owner linearly from the frame before FRAME to the one after."""
-    for frame, value in ((FRAME - 1, start), (FRAME + 1, end)):
-        setattr(owner, path, value)
-        owner.keyframe_insert(path, frame=frame)
-    action = owner.id_data.animation_data.action
-    curves = (
-        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbags[0].fcurves
-    )
-    for curve in curves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+def around(start, end):
+    """Returns what to key: start in the frame before FRAME, end in the one after."""
+    return {FRAME - 1: start, FRAME + 1: end}
 
 
 def diffuse(bpy, color):
@@ -52,10 +44,10 @@ def moving_scene(bpy, link, tmp_path):
     floor = box("Floor", (12, 12, 0.2), (0.7, 0.7, 0.6))
     floor.location.z = -0.1
     cube = box("Cube", (1, 1, 1), (0.8, 0.2, 0.1))
-    animate(cube, "location", (-2.5, 0.5, 0.6), (-0.5, 0, 1.2))
+    animate(cube, "location", around((-2.5, 0.5, 0.6), (-0.5, 0, 1.2)))
     bar = box("Bar", (2.4, 0.3, 0.3), (0.1, 0.3, 0.8))
     bar.location = (1.2, -0.4, 0.8)
-    animate(bar, "rotation_euler", (0, 0, 0), (0, 0.4, math.pi * 0.9))
+    animate(bar, "rotation_euler", around((0, 0, 0), (0, 0.4, math.pi * 0.9)))
     slab = box("Slab", (1, 1, 1), (0.2, 0.7, 0.2))
     slab.location = (0.3, 1.8, 0.5)
     slab.shape_key_add(name="Basis")
@@ -64,7 +56,7 @@ def moving_scene(bpy, link, tmp_path):
         if SIGNS[number][2] > 0:
             point.co.z += 1.5
             point.co.x += 0.8
-    animate(key, "value", 0.0, 1.0)
+    animate(key, "value", around(0.0, 1.0))
 
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.angle = 3, 0.2
@@ -76,7 +68,7 @@ def moving_scene(bpy, link, tmp_path):
     scene.world = world
     camera = link("Camera", bpy.data.cameras.new("Camera"))
     camera.rotation_euler = (1.0, 0, 0)
-    animate(camera, "location", (-0.3, -5.5, 4), (0.3, -5.3, 4))
+    animate(camera, "location", around((-0.3, -5.5, 4), (0.3, -5.3, 4)))
     scene.camera = camera
     scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
     scene.frame_set(FRAME)

@@ -6,6 +6,7 @@ row at the bottom.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import scipy.stats
@@ -14,6 +15,8 @@ from nephele import opcodes, parameters
 
 NO_LIMIT = {"max_bounces": 4096, "surface_bounces": 4096, "volume_bounces": 4096}
 BOX_FILTER = {"pixel_filter": "box"}
+SCENES = Path(__file__).resolve().parents[2] / "blend_scenes"
+ROUGH_BALL = SCENES / "furnace" / "furnace.vdb"  # its grid density, of radius 0.9
 RAY = {name: 1 << i for i, name in enumerate(opcodes.RAY_KINDS)}
 
 
@@ -69,6 +72,15 @@ def half_world(up, down=0.0):
         code=np.array(code, np.int32),
         closures=(d.Closure("emission", 0, (6, 0)),),
     )
+
+
+# --- Media
+
+
+def medium(sigma_s, sigma_a=0.0, g=0.0, **more):
+    """Returns a VolumeClosure; sigma_s, sigma_a: 1/m, one number or three; g: Henyey-Greenstein cosine."""
+    three = [tuple(np.broadcast_to(np.asarray(v, float), 3).tolist()) for v in (sigma_s, sigma_a)]
+    return d.VolumeClosure(*three, phase=d.Phase(a=g), **more)
 
 
 # --- Geometry
