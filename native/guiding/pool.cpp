@@ -54,7 +54,8 @@ BranchSums widened(const Image& image, const std::vector<BranchSums>& sums, int 
 
 /// How many samples of equal size would say as much.
 float effective_samples(const BranchSums& s) {
-    return s.light2 > 0 ? std::min(s.light * s.light / s.light2, s.taken) : s.taken;
+    const double light = double{s.light};  // whose square need not be a float
+    return s.light2 > 0 ? std::min(static_cast<float>(light * light / double{s.light2}), s.taken) : s.taken;
 }
 
 /// Adds a level's estimates to the pixel's; `rest`: trust not yet given.

@@ -16,7 +16,7 @@ namespace nephele {
 /// Sums over samples of one branch (volume or surface) of a pixel.
 struct BranchSums {
     float weight = 0;               ///< the branch's weights, taken or not
-    float light = 0, light2 = 0;    ///< radiance times weight; squares of these
+    float light = 0, light2 = 0;    ///< radiance times weight; squares of these; all finite
     float square = 0, square2 = 0;  ///< radiance squared times weight; squares of these
     float cost = 0, taken = 0;
 };

@@ -45,9 +45,12 @@ void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record)
     sums.taken += 1;
     sums.cost += record.cost;
     if (weight > 0) {
-        const float square = record.light * record.light * record.probability / weight;
-        sums.light += record.light;
-        sums.light2 += record.light * record.light;
+        // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
+        constexpr float kLargest = 1e15f;
+        const float light = std::min(record.light, kLargest);
+        const float square = std::min(record.light * record.light * record.probability / weight, kLargest);
+        sums.light += light;
+        sums.light2 += light * light;
         sums.square += square;
         sums.square2 += square * square;
     }
@@ -120,9 +123,13 @@ void VspBuffer::update() {
 std::vector<Pooled> VspBuffer::estimate(std::vector<BranchSums> sums, std::span<const float> feature) const {
     std::vector<Pooled> out = pool(width_, height_, sums, feature);
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        const float mean2 = out[i].light * out[i].light;
-        sums[i].light = mean2 > 0 ? sums[i].square / mean2 : 0;
-        sums[i].light2 = mean2 > 0 ? sums[i].square2 / (mean2 * mean2) : 0;
+        // In doubles: the fourth power of a dim radiance is no float.
+        const double mean2 = double{out[i].light} * double{out[i].light};
+        const auto relative = [&](float sum, double unit) {
+            return unit > 0 ? static_cast<float>(std::min(double{sum} / unit, 1e30)) : 0;
+        };
+        sums[i].light = relative(sums[i].square, mean2);
+        sums[i].light2 = relative(sums[i].square2, mean2 * mean2);
     }
     const std::vector<Pooled> noise = pool(width_, height_, std::move(sums), feature);
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -161,10 +168,11 @@ VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Poole
     guide.transmittance = near.transmittance / near.samples;
     guide.majorant_depth = near.majorant_depth / near.samples;
     guide.surface_noise = surface.noise;
-    float v = volume.light, s = surface.light;
+    constexpr float kLargest = 1e30f;  // per tiny weights
+    float v = std::min(volume.light, kLargest), s = std::min(surface.light, kLargest);
     if (settings_.vsp_criterion == Settings::VspCriterion::variance) {
-        v *= std::sqrt(1 + volume.noise);
-        s *= std::sqrt(1 + surface.noise);
+        v *= std::sqrt(1 + std::min(volume.noise, 1e6f));
+        s *= std::sqrt(1 + std::min(surface.noise, 1e6f));
     }
     if (settings_.vsp_cost && volume.cost > 0 && surface.cost > 0) {
         // The least variance times time: sqrt(M / c).

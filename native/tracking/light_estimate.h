@@ -24,7 +24,7 @@ class LightEstimate {
         for (const LightBounds& light : lights.near_lights()) {
             const View view = view_of(light);
             const float peak = light.intensity / (view.distance * view.distance);
-            const float angle = view.angle(end) - view.angle(t0);
+            const float angle = view.between(t0, end);
             const float share = light.intensity / view.distance * angle;  // integral of intensity / d^2
             if (!(share > 0) || !(share < kInfinity))
                 continue;
@@ -32,8 +32,7 @@ class LightEstimate {
             peak_ = std::max(peak_, peak);
             if (rng.next() * total < share) {
                 view_ = view;
-                angle0_ = view.angle(t0);
-                angle_ = view.angle(t1) - angle0_;
+                angle_ = view.between(t0, t1);
             }
         }
         mean_ = end > t0 ? total / (end - t0) + lights.distant_fluence() : 0;
@@ -44,25 +43,16 @@ class LightEstimate {
     bool pays() const { return mean_ > 0 && peak_ > kWorth * mean_; }
 
     /// Estimate at t, about 1 in the mean; > 0.
-    float at(float t) const {
-        constexpr float kLargest = 1e6f;  // at a lamp without size there is no bound
-        return (std::min(lights_->fluence(ray_.at(t)) / mean_, kLargest) + kAmbient) / (1 + kAmbient);
-    }
+    float at(float t) const { return smoothed(lights_->fluence(ray_.at(t))); }
     /// About the largest estimate along the ray, at least 1.
-    float largest() const { return std::max((peak_ / mean_ + kAmbient) / (1 + kAmbient), 1.0f); }
+    float largest() const { return std::max(smoothed(peak_), 1.0f); }
     /// Virtual density at t, 1/m.
     float rate(float t) const { return kExpected * pdf(t); }
     /// Expected number of virtual candidates in [a, b].
-    float expected(float a, float b) const { return kExpected * (view_.angle(b) - view_.angle(a)) / angle_; }
+    float expected(float a, float b) const { return kExpected * view_.between(a, b) / angle_; }
     /// Where, from t on, `count` virtual candidates are expected.
     float advance(float t, float count) const {
-        const float angle = view_.angle(t) + count / kExpected * angle_;
-        return angle < kPi / 2 ? std::max(view_.t + view_.distance * std::tan(angle), t) : kInfinity;
-    }
-    /// A point of the whole part, by the virtual density.
-    float sample(float u) const {
-        const float angle = angle0_ + u * angle_;
-        return view_.t + view_.distance * std::tan(std::min(angle, 1.570796f));
+        return std::max(view_.turned(t, count / kExpected * angle_), t);
     }
     float pdf(float t) const {
         const float along = t - view_.t;
@@ -73,7 +63,30 @@ class LightEstimate {
     /// A light as seen from the ray: where it is nearest, and how near, its size included.
     struct View {
         float t = 0, distance = 1;
-        float angle(float at) const { return std::atan((at - t) / distance); }
+
+        /// Angle between the directions to a and b >= a. Not a difference of angles, of which nothing is left
+        /// far from the light.
+        float between(float a, float b) const {
+            if (a == b)
+                return 0;
+            const double x = (double{a} - double{t}) / double{distance};
+            if (b == kInfinity)
+                return x > 0 ? std::atan(static_cast<float>(1 / x))
+                             : kPi / 2 + std::atan(static_cast<float>(-x));
+            const double y = (double{b} - double{t}) / double{distance}, ahead = 1 + x * y;
+            const double across = (double{b} - double{a}) / double{distance};
+            const float angle = std::atan(static_cast<float>(across / ahead));
+            return ahead >= 0 ? angle : angle + kPi;
+        }
+        /// The point whose direction is that to a turned by `angle` >= 0.
+        float turned(float a, float angle) const {
+            const double x = (double{a} - double{t}) / double{distance};
+            const double sine = std::sin(double{angle}),
+                         ahead = std::cos(double{angle}) - x * sine;  // <= 0: behind, once around
+            if (!(ahead > 0) || angle >= kPi)
+                return kInfinity;
+            return static_cast<float>(double{a} + double{distance} * sine * (1 + x * x) / ahead);
+        }
     };
     View view_of(const LightBounds& light) const {
         const Vec3f to_centre = (light.lower + light.upper) * 0.5f - ray_.o;
@@ -83,6 +96,11 @@ class LightEstimate {
         return {t, std::sqrt(std::max(d2, 1e-8f * dot(to_centre, to_centre)) + 1e-30f)};
     }
 
+    float smoothed(float fluence) const {
+        constexpr float kLargest = 1e6f;  // at a lamp without size there is no bound
+        return (std::min(fluence / mean_, kLargest) + kAmbient) / (1 + kAmbient);
+    }
+
     static constexpr float kExpected = 2;    // virtual candidates along the whole part
     static constexpr float kAmbient = 0.5f;  // light that comes from elsewhere, share of the lights' mean
     static constexpr float kWorth = 4;
@@ -90,7 +108,7 @@ class LightEstimate {
     const LightSet* lights_;
     Ray ray_;
     View view_;
-    float angle0_ = 0, angle_ = 1, mean_ = 0, peak_ = 0;
+    float angle_ = 1, mean_ = 0, peak_ = 0;
 };
 
 }  // namespace nephele

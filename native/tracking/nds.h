@@ -67,6 +67,10 @@ inline Rgb emission_along(const Segment& segment, TrackingScratch& scratch, bool
     for_each_candidate(
         scratch.tracks, segment.ray.t_min, 1, [&] { return rng.next_exponential(); }, gather,
         [&](float t, float rate, const auto&) {
+            if (const auto end = escape_deep_media(scratch, t, beta, rng)) {
+                gather(t, *end);
+                return false;
+            }
             beta *= max(Rgb(1) - coefficients_at(scratch, t, rng, counters).sigma_t / rate, Rgb(0));
             return survives_roulette(beta, rng);
         });
@@ -105,6 +109,7 @@ inline Flight nds_flight(const Segment& segment, TrackingScratch& scratch, const
     const float depth = detail::majorant_depth(segment, scratch, global), target = guide.target;
     const bool plus = settings.distance_sampling == Settings::DistanceSampling::nds_plus;
     const float likely = -std::expm1(-depth);
+    constexpr float kLeastDepth = 1e-30f;  // of less, as of denormal densities, no more can be made
     Flight flight;
     const bool emits = std::any_of(segment.intervals.begin(), segment.intervals.end(),
                                    [](const Interval& i) { return i.medium->emits(); });
@@ -120,20 +125,26 @@ inline Flight nds_flight(const Segment& segment, TrackingScratch& scratch, const
     if (plus) {
         const float k =
             std::max(std::log1p(-target) / std::log(std::clamp(guide.transmittance, 1e-6f, 0.9999f)), 1.0f);
-        const float scale = depth > 0 ? std::max(-std::log1p(-target) / depth, 1.0f) : 1;
+        const float scale = depth > kLeastDepth ? std::max(-std::log1p(-target) / depth, 1.0f) : 1;
         const auto raised = [&](float p) { return -std::expm1(k * std::log1p(-p)); };
         for_each_candidate(
             scratch.tracks, start, scale, [&] { return rng.next_exponential(); }, gather,
             [&](float t, float rate, const auto&) {
+                if (const auto end = detail::escape_deep_media(scratch, t, beta, rng)) {
+                    gather(t, *end);
+                    return false;
+                }
                 return detail::raised_event(flight, scratch, t, rate, beta, rng, counters, raised);
             });
     } else {
-        const bool raises = target > likely && likely > 0;
+        const bool raises = target > likely && depth > kLeastDepth;
         const float end = raises ? -std::log1p(-likely / target) : kInfinity;
         detail::TruncatedDepths depths(end, depth, rng);
         for_each_candidate(
             scratch.tracks, start, 1, depths, [](float, float) {},
             [&](float t, float rate, const auto&) {
+                if (detail::escape_deep_media(scratch, t, beta, rng))
+                    return false;  // so deep that nothing was truncated
                 beta *= depths.weight();
                 return detail::raised_event(flight, scratch, t, rate, beta, rng, counters,
                                             [](float p) { return p; });

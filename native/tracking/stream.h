@@ -11,6 +11,8 @@
 // (sum of weights) / (weight i) of the one kept is in expectation that sum, whatever the weights are.
 #pragma once
 
+#include <limits>
+
 #include "tracking/flight.h"
 #include "tracking/light_estimate.h"
 #include "tracking/vsp.h"
@@ -111,6 +113,14 @@ class StreamSampler {
     void candidate(float t, float rate);
     bool survives();
 
+    /// What the majorants of this piece are multiplied by: no more than what was walked so far asks for,
+    /// where this ray meets denser media than the pixel's usual one.
+    float scale_here() const {
+        if (settings_.vsp_control == Settings::VspControl::exact)
+            return scale_;
+        return std::min(scale_, std::max(kMostDepth / out_.majorant_depth, least_scale(guide_)));
+    }
+
     void gather(float t0, float t1) {
         const Rgb emitted = detail::emission_between(scratch_, t0, t1, rng_, counters_);
         if (!is_zero(emitted))
@@ -143,10 +153,6 @@ class StreamSampler {
 inline float transmitted_length(float sigma_t, float length) {
     const float depth = sigma_t * length;
     return depth > 1e-6f ? -std::expm1(-depth) / sigma_t : length * (1 - depth / 2);
-}
-inline Rgb transmitted_length(Rgb sigma_t, float length) {
-    return {transmitted_length(sigma_t.x, length), transmitted_length(sigma_t.y, length),
-            transmitted_length(sigma_t.z, length)};
 }
 
 inline bool StreamSampler::constant_piece(float t0, float t1) {
@@ -199,12 +205,18 @@ inline float sample_constant(Rgb sigma_t, float length, Rgb integrals, float cho
     return std::min(-std::log1p(u * std::expm1(-depth)) / sigma, length);
 }
 
+/// sigma_s times transmitted_length(), which can be beyond floats where sigma_t is denormal.
+inline float scattered_share(float sigma_s, float sigma_t, float length) {
+    const float depth = sigma_t * length;
+    return depth > 1e-6f ? sigma_s / sigma_t * -std::expm1(-depth) : sigma_s * length * (1 - depth / 2);
+}
+
 /// Integral of arriving() over the piece; channels that do not scatter have none, however long they are.
 inline Rgb scattered(Rgb T, const detail::Coefficients& c, float length) {
     Rgb sum;
     for (int i = 0; i < 3; ++i) {
         if (c.sigma_s[i] > 0)
-            sum[i] = T[i] * c.sigma_s[i] * transmitted_length(c.sigma_t[i], length);
+            sum[i] = T[i] * scattered_share(c.sigma_s[i], c.sigma_t[i], length);
     }
     return sum;
 }
@@ -252,7 +264,7 @@ inline bool StreamSampler::varying_piece(float t0, float t1, float majorant) {
         gather(t0, t1);
         return true;
     }
-    const float rate = majorant * scale_;
+    const float rate = majorant * scale_here();
     for (float t = t0;;) {
         const float left = rate * (t1 - t);
         const float left_virtual = lights_ ? lights_->expected(t, t1) : 0;
@@ -291,16 +303,21 @@ inline void StreamSampler::candidate(float t, float rate) {
 /// Russian roulette where what is still to come cannot matter against what was found, by what is known:
 /// unbiased, and it bounds the walk in dense media without a limit to its steps.
 inline bool StreamSampler::survives() {
-    constexpr float kNegligible = 0.1f;
+    // A stream that ends has to scatter: where a target is to be met, only what passes next to never may end.
+    const float negligible = settings_.vsp_control == Settings::VspControl::exact ? 1e-5f : 0.1f;
     const float volume = guide_.volume_radiance * (lights_ ? lights_->largest() : 1);
     const float ahead = max_component(T_) * std::max(volume, guide_.surface_radiance);
-    if (ahead == 0)
+    // Denormals shrink no further where they are multiplied by more than one half.
+    if (max_component(T_) < std::numeric_limits<float>::min()) {
+        T_ = Rgb(0);
         return false;
+    }
     const float found = guide_.volume_radiance * out_.weights.volume;
-    const float survive = ahead / (kNegligible * (found + ahead));
+    const float survive = ahead / (negligible * (found + ahead));
     if (survive >= 1)
         return true;
-    if (rng_.next() >= survive) {
+    // Like a uniform number above `survive`, but never 0: a stream that has no chance does not survive.
+    if (rng_.next_exponential() <= -std::log(survive)) {
         T_ = Rgb(0);
         return false;
     }

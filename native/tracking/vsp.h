@@ -60,20 +60,30 @@ inline float depth_to_reach(float target) {
     return -std::log((1 - target) / 2);
 }
 
+/// Optical depth of candidates that conditional control raises the majorants to at most: more cost more
+/// lookups than they save noise.
+inline constexpr float kMostDepth = 4;
+
+/// The least factor on majorants under conditional control. Tight majorants leave nothing to resample: either
+/// a candidate takes all, or all passes. What matters behind is worth more candidates, which make the
+/// transmittance less noisy, unless what is behind is noisier itself.
+inline float least_scale(const VspGuide& guide) {
+    constexpr float kRoom = 4;
+    return 1 + kRoom * (1 - guide.target) / (1 + kRoom * guide.surface_noise);
+}
+
 /// What the majorants are multiplied by. depth: their optical depth along the segment.
 inline float rate_scale(const Settings& settings, const VspGuide& guide, float depth) {
-    if (!(depth > 0))
-        return 1;
     if (settings.vsp_control == Settings::VspControl::exact) {
         // At twice the majorant no candidate is met for sure: there is always something that passes.
         constexpr float kRoom = 2;
-        return std::max(kRoom, depth_to_reach(guide.target) / depth);
+        // Where there is next to nothing, as denormal densities are, no factor helps.
+        constexpr float kLeastDepth = 1e-30f;
+        return depth < kLeastDepth ? kRoom : std::max(kRoom, depth_to_reach(guide.target) / depth);
     }
-    // Tight majorants leave nothing to resample: either a candidate takes all, or all passes. What matters
-    // behind is worth more candidates, which make the transmittance less noisy, unless it is noisier itself.
-    constexpr float kRoom = 4, kMostDepth = 4;  // more candidates cost more lookups than they save noise
-    const float room = 1 + kRoom * (1 - guide.target) / (1 + kRoom * guide.surface_noise);
-    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, room, 1e6f);
+    if (!(depth > 0))
+        return 1;
+    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, least_scale(guide), 1e6f);
 }
 
 }  // namespace nephele
