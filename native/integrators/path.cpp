@@ -25,7 +25,7 @@ class Path {
           request_(request),
           sampler_(sampler),
           ws_(ws),
-          guiding_(settings, request.guide, ws.counters),
+          guiding_(settings, request.guide),
           ray_(ray) {}
 
     PixelSample trace() {
@@ -48,6 +48,7 @@ class Path {
             primary_done_ = true;
             record_transmittance(scene_, settings_, request_, ray_.part(ray_.t_min, end), sampler_, ws_,
                                  out_);
+            guiding_.start(ws_.counters);
         }
         if constexpr (kMedia) {
             scene_.find_media(ray_.part(ray_.t_min, std::min(end, lamp.distance)), kind_, ws_.segment);

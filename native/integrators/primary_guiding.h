@@ -11,8 +11,10 @@ namespace nephele {
 
 class PrimaryGuiding {
   public:
-    PrimaryGuiding(const Settings& settings, const VspGuide* guide, const Counters& counters)
-        : settings_(settings), guide_(guide), start_(work(counters)) {}
+    PrimaryGuiding(const Settings& settings, const VspGuide* guide) : settings_(settings), guide_(guide) {}
+
+    /// The path's work begins: what passes ask for besides does not count, or it would change the image.
+    void start(const Counters& counters) { start_ = work(counters); }
 
     /// Whether camera rays are guided at all.
     bool active() const { return guide_ != nullptr; }
