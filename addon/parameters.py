@@ -243,7 +243,7 @@ PARAMETERS = (
     Parameter(
         "vsp_cost",
         "bool",
-        True,
+        False,
         "Cost Aware",
         "Weigh the learned moments by the work that paths of either kind cost",
         group="guiding",

@@ -61,7 +61,9 @@ float effective_samples(const BranchSums& s) {
 /// Adds a level's estimates to the pixel's; `rest`: trust not yet given.
 void blend(const BranchSums& s, bool last, Pooled& out, float& rest) {
     const float n = effective_samples(s);
-    const float trust = last ? rest : rest * n / (n + kEnoughSamples);
+    const float earned = rest * n / (n + kEnoughSamples), trust = last ? rest : earned;
+    if (last)
+        out.known = 1 - rest + earned;
     if (s.weight > 0)
         out.light += trust * s.light / s.weight;
     if (s.taken > 0)

@@ -25,6 +25,7 @@ struct BranchSums {
 struct Pooled {
     float light = 0;  ///< per unit of weight
     float cost = 0;   ///< per sample that took the branch
+    float known = 0;  ///< in [0, 1]: share of the light that samples enough stand for
     float noise = 0;  ///< variance of the light, relative to its square
 };
 

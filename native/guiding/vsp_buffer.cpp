@@ -179,6 +179,11 @@ VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Poole
         v /= std::sqrt(volume.cost);
         s /= std::sqrt(surface.cost);
     }
+    // What too few samples stand for is taken to be as the other branch: so paths part by transmittance, as
+    // in delta tracking, until both are known.
+    const float known_v = std::lerp(s, v, volume.known), known_s = std::lerp(v, s, surface.known);
+    v = known_v;
+    s = known_s;
     if (!(v + s > 0))
         return guide;  // black so far
     // What was not seen yet may be there all the same.

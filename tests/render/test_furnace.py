@@ -35,7 +35,7 @@ WHITE = emission(1.0)
 SIGMA_S = {"grey": (3.0, 3.0, 3.0), "chromatic": (1.0, 3.0, 8.0)}
 
 
-def check(scene, expected=1.0, samples=256, most=0.004, **settings):
+def check(scene, expected=1.0, samples=384, most=0.004, **settings):
     image = scene.render(size=32, samples=samples, seed=3, **NO_LIMIT, **BOX_FILTER, **settings)["Combined"]
     assert_mean(image, expected, rounding=2e-6, most=most)
     assert_blocks(image, expected, rounding=1e-5)

@@ -82,7 +82,7 @@ def assert_like_mitsuba(name, grid_medium, samples, **settings):
     ("name", "samples"),
     [
         ("test_homo_null_envmap", 54),
-        ("test_homo_area_light", 54),
+        ("test_homo_area_light", 108),
         ("test_homo_dielectric_envmap", 160),
         ("test_hetero_spectral_sigmat_no_scattering", 54),
     ],
