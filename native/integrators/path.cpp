@@ -7,6 +7,7 @@
 // the path either scatters in a volume or arrives at the end. Lamps are transparent to rays: they add their
 // light and the ray goes on.
 #include "integrators/direct_light.h"
+#include "integrators/lamps_on_the_way.h"
 #include "integrators/phase_mixture.h"
 #include "integrators/primary.h"
 #include "integrators/primary_guiding.h"
@@ -99,44 +100,16 @@ class Path {
         undecided_ += gathered_;
     }
 
-    /// A lamp's place on the way from the last vertex: its distance, and its number among those at the same
-    /// distance.
-    using LampPlace = std::pair<float, std::uint32_t>;
-
-    struct LampHit {
-        LampPlace place{kInfinity, 0};
-        float distance = kInfinity;  ///< on ray_
-        std::uint32_t number = 0;
-        Rgb Le;
-        float pdf = 0;
-    };
-
-    bool sees(const Lamp& lamp) const {
-        return (lamp.visibility & kind_) != 0 && bounces_ - 1 <= lamp.max_bounces;
-    }
-
     /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
-        LampHit nearest;
         if (kind_ == kCameraRay || !scene_.features().lamps)
-            return nearest;
-        // Seen from the last vertex, wherever transparent surfaces let the ray start anew since: a lamp is
-        // met once.
-        const Ray reach{previous_p_, ray_.d, passed_.first, travelled_ + end};
-        scene_.lights().for_each_lamp_hit(reach, [&](std::uint32_t number, const LightHit& hit) {
-            if (hit.distance == kInfinity || !sees(scene_.lights().lamp(number)))
-                return;  // suns: see escape()
-            // Lamps at the same distance come in the order of their numbers, each once.
-            const LampPlace place(hit.distance, number);
-            if (place > passed_ && place < nearest.place)
-                nearest = {place, hit.distance - travelled_, number, hit.Le, hit.pdf};
-        });
-        return nearest;
+            return {};
+        return way_.nearest(scene_.lights(), ray_, kind_, bounces_, end);
     }
 
     bool pass_lamp(const LampHit& lamp) {
         add(beta_ * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
-        passed_ = lamp.place;  // as it was found: a rounded one could be met for ever
+        way_.pass(lamp);
         ray_.t_min = std::max(lamp.distance, ray_.t_min);
         return true;
     }
@@ -160,7 +133,7 @@ class Path {
         if (kind_ == kCameraRay || !scene_.features().lamps)
             return;
         scene_.lights().for_each_lamp_hit({ray_.o, ray_.d}, [&](std::uint32_t number, const LightHit& hit) {
-            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number)))
+            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number), kind_, bounces_))
                 return;
             add(beta_ * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
         });
@@ -171,7 +144,7 @@ class Path {
     float mis_weight(std::uint32_t light, Pdf&& pdf) const {
         if (previous_specular_ || (light_visibility(scene_, light) & sampling_kind(kind_)) == 0)
             return 1;
-        return power_heuristic(previous_pdf_, scene_.lights().selection_pdf(previous_p_, light) * pdf());
+        return power_heuristic(previous_pdf_, scene_.lights().selection_pdf(way_.vertex(), light) * pdf());
     }
 
     ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, ray_, kind_); }
@@ -224,7 +197,7 @@ class Path {
         if (sample->kind == 0) {  // straight through: no event
             const Vec3f o = offset_point(point.p, -point.ng);
             const float step = length(o - ray_.o);
-            travelled_ += step;
+            way_.advance(step);
             ray_ = {o, ray_.d, 0, ray_.t_max - step, ray_.time};
             return true;
         }
@@ -266,7 +239,7 @@ class Path {
         float weight = 1;
         if (number != Scene::kNoLight) {
             weight = mis_weight(number, [&] {
-                return scene_.lights().mesh(number).pdf(point.triangle, previous_p_, point.p);
+                return scene_.lights().mesh(number).pdf(point.triangle, way_.vertex(), point.p);
             });
         }
         add(beta_ * Le * weight);
@@ -297,9 +270,7 @@ class Path {
         }
         ray_ = {o, wi, 0, kInfinity, ray_.time};
         kind_ = kind;
-        previous_p_ = vertex;
-        travelled_ = 0;
-        passed_ = kNonePassed;
+        way_ = LampsOnTheWay(vertex);
         previous_pdf_ = pdf;
         previous_specular_ = specular;
         return true;
@@ -317,11 +288,7 @@ class Path {
     Rgb beta_{1};
     int bounces_ = 0, surface_bounces_ = 0, volume_bounces_ = 0;
     enum class First { none, surface, volume } first_ = First::none;
-    Vec3f previous_p_;     // the last vertex, not moved off its surface
-    float travelled_ = 0;  // from there to ray_.o
-    static constexpr std::pair<float, std::uint32_t> kNonePassed{-1.0f, 0};
-    std::pair<float, std::uint32_t> passed_ =
-        kNonePassed;  // the last lamp met since: distance from there, number
+    LampsOnTheWay way_;  // from the last vertex
     float previous_pdf_ = 0;
     bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
     bool primary_done_ = false, recorded_ = false;
