@@ -9,9 +9,9 @@ namespace nephele {
 
 namespace {
 
-constexpr int kLevels = 5;           // the widest reaches 62 pixels
+constexpr int kLevels = 6;           // the widest reaches 63 pixels
 constexpr float kEnoughSamples = 8;  // at this effective number half of the trust is given
-constexpr float kSpline[3] = {1.0f, 2.0f / 3, 1.0f / 6};
+constexpr float kKernel[2] = {1.0f, 0.5f};
 
 struct Image {
     int width, height;
@@ -31,16 +31,16 @@ struct Image {
 BranchSums widened(const Image& image, const std::vector<BranchSums>& sums, int x, int y, int step) {
     BranchSums out;
     const std::size_t centre = image.index(x, y);
-    for (int j = -2; j <= 2; ++j) {
+    for (int j = -1; j <= 1; ++j) {
         const int v = y + j * step;
         if (v < 0 || v >= image.height)
             continue;
-        for (int i = -2; i <= 2; ++i) {
+        for (int i = -1; i <= 1; ++i) {
             const int u = x + i * step;
             if (u < 0 || u >= image.width)
                 continue;
             const std::size_t other = image.index(u, v);
-            const float w = kSpline[std::abs(i)] * kSpline[std::abs(j)] * image.similarity(centre, other);
+            const float w = kKernel[std::abs(i)] * kKernel[std::abs(j)] * image.similarity(centre, other);
             const BranchSums& s = sums[other];
             out.weight += w * s.weight;
             out.light += w * s.light;

@@ -2,7 +2,7 @@
 // Pooling of sparse, heavy-tailed statistics over the image: each pixel gets an estimate from as few pixels
 // around it as say enough.
 //
-// Sums are widened level by level (a-trous B3 spline kernels; Dammertz, Sewtz, Hanika, Lensch, HPG 2010), not
+// Sums are widened level by level (a-trous tent kernels; Dammertz, Sewtz, Hanika, Lensch, HPG 2010), not
 // across edges of a feature. A level's ratio is trusted as far as its effective number of samples goes,
 // (sum x)^2 / sum x^2 (Kish 1965), which one firefly cannot raise; the rest of the trust goes to the next
 // wider level. With few samples that is a wide average, with many the pixel's own.

@@ -102,7 +102,7 @@ class LightEstimate {
     }
 
     static constexpr float kExpected = 2;    // virtual candidates along the whole part
-    static constexpr float kAmbient = 0.5f;  // light that comes from elsewhere, share of the lights' mean
+    static constexpr float kAmbient = 2.0f;  // light that comes from elsewhere, share of the lights' mean
     static constexpr float kWorth = 4;
 
     const LightSet* lights_;

@@ -45,6 +45,8 @@ class StreamSampler {
     /// beta: throughput at the segment's start.
     Stream run(Rgb beta) {
         T_ = beta;
+        any_constant_ = std::any_of(segment_.intervals.begin(), segment_.intervals.end(),
+                                    [](const Interval& i) { return !i.medium->bounds; });
         const bool global = settings_.majorant == Settings::Majorant::global;
         const bool exact = settings_.vsp_control == Settings::VspControl::exact;
         // Exact control has to know what is ahead; for the other what the pixel has learned will do.
@@ -88,6 +90,8 @@ class StreamSampler {
     }
 
     bool nothing_varies(float t) const {
+        if (!any_constant_)
+            return false;
         return std::none_of(scratch_.tracks.begin(), scratch_.tracks.end(), [&](const MajorantTrack& track) {
             return track.interval().t0 <= t && track.medium().bounds;
         });
@@ -146,6 +150,7 @@ class StreamSampler {
     Stream out_;
     Rgb T_;                            // beta times the transmittance so far
     float scale_ = 1;                  // of the majorants
+    bool any_constant_ = false;        // some medium does not vary
     float tau_ = 0, tau_virtual_ = 0;  // optical depths to the next candidates
 };
 
