@@ -42,6 +42,12 @@ BEAM_FLUXES = {
 ISOTROPIC_FLUXES = {0.03125: (0.0906556, 3.04897), 32: (2.49618, 0.00460048)}
 
 
+# Where DISORT's 16 streams are too few for 0.3 %: straight back from a forward-peaked slab its table says
+# 0.0395460. A Monte Carlo of its own, 60 million photons with every collision's share of that direction
+# added up, says this, and its error.
+STREAMS_TOO_FEW = {("3a", 0, 1.0): (0.03909, 2e-5)}
+
+
 def beam_flux(case, side):
     b, albedos, g, mu0, *_ = BEAMS[case]
     light = beam(mu0, np.pi / mu0)  # a flux of pi on the slab
@@ -107,7 +113,8 @@ def test_all_of_disort_under_a_beam(case, side):
     precisely(beam_flux(case, side), np.array(BEAM_FLUXES[case][side]) / np.pi, 1e-5)
     for mu, values in zip(MU, radiances[side], strict=True):
         scene = slab(b, closure(albedos, g), camera(b, mu, side == 1), lights=(beam(mu0, np.pi / mu0),))
-        precisely(scene, [values[0], values[-1], values[-1]], 1e-6)
+        known = ([values[0], values[-1], values[-1]], 1e-6)
+        precisely(scene, *STREAMS_TOO_FEW.get((case, side, mu), known))
 
 
 @pytest.mark.long
