@@ -201,6 +201,8 @@ inline void StreamSampler::offer_constant_near_lights(float t0, float t1, const 
     const float virtual_part = lights_->expected(t0, t1);
     if (!(all > 0))
         return;
+    if (!(virtual_part > 0))  // too far from the light for its angles to differ
+        return offer_constant(t0, length, c);
     const std::vector<ScatterShare> shares = scratch_.shares;
     for (int i = 0; i < 2 * kEach; ++i) {
         float s = 0;
