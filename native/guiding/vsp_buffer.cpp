@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "guiding/learned_guide.h"
 #include "math/sampler.h"
 
 namespace nephele {
@@ -36,24 +37,6 @@ float fixed_target(Settings::VspTarget kind, std::size_t pixel) {
             break;
     }
     return 0.5f;
-}
-
-void add_to(BranchSums& sums, float weight, bool taken, const VspRecord& record) {
-    sums.weight += weight;
-    if (!taken)
-        return;
-    sums.taken += 1;
-    sums.cost += record.cost;
-    if (weight > 0) {
-        // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
-        constexpr float kLargest = 1e15f;
-        const float light = std::min(record.light, kLargest);
-        const float square = std::min(record.light * record.light * record.probability / weight, kLargest);
-        sums.light += light;
-        sums.light2 += light * light;
-        sums.square += square;
-        sums.square2 += square * square;
-    }
 }
 
 /// Rows of floats as the doubles of a checkpoint, and back.
@@ -95,8 +78,8 @@ void VspBuffer::add(int x, int y, const VspRecord& record) {
     if (pixels_.empty() || !record.known)
         return;
     Pixel& pixel = pixels_[index(x, y)];
-    add_to(pixel.volume, record.volume_weight, record.scattered, record);
-    add_to(pixel.surface, record.surface_weight, !record.scattered, record);
+    add_branch(pixel.volume, record.volume_weight, record.scattered, record);
+    add_branch(pixel.surface, record.surface_weight, !record.scattered, record);
     pixel.samples += 1;
     pixel.transmittance += record.transmittance;
     pixel.majorant_depth += std::min(record.majorant_depth, 1e6f);
@@ -140,64 +123,25 @@ std::vector<Pooled> VspBuffer::estimate(std::vector<BranchSums> sums, std::span<
 void VspBuffer::learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface) {
     for (int x = 0; x < width_; ++x) {
         const std::size_t i = index(x, y);
-        guides_[i] = learned(around(x, y), volume[i], surface[i]);
+        guides_[i] = learned_guide(settings_, around(x, y), volume[i], surface[i]);
     }
 }
 
 /// Sums of the pixel and its neighbours: enough for the weights, which vary less from sample to sample than
 /// light does.
-VspBuffer::Pixel VspBuffer::around(int x, int y) const {
-    Pixel sum;
+RayMeans VspBuffer::around(int x, int y) const {
+    RayMeans sum;
     for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u) {
             const Pixel& p = pixels_[index(u, v)];
-            sum.volume.weight += p.volume.weight;
-            sum.surface.weight += p.surface.weight;
+            sum.volume_weight += p.volume.weight;
+            sum.surface_weight += p.surface.weight;
             sum.samples += p.samples;
             sum.transmittance += p.transmittance;
             sum.majorant_depth += p.majorant_depth;
         }
     }
     return sum;
-}
-
-VspGuide VspBuffer::learned(const Pixel& near, const Pooled& volume, const Pooled& surface) const {
-    VspGuide guide;
-    if (!(near.samples > 0))
-        return guide;
-    guide.transmittance = near.transmittance / near.samples;
-    guide.majorant_depth = near.majorant_depth / near.samples;
-    guide.surface_noise = surface.noise;
-    constexpr float kLargest = 1e30f;  // per tiny weights
-    float v = std::min(volume.light, kLargest), s = std::min(surface.light, kLargest);
-    if (settings_.vsp_criterion == Settings::VspCriterion::variance) {
-        v *= std::sqrt(1 + std::min(volume.noise, 1e6f));
-        s *= std::sqrt(1 + std::min(surface.noise, 1e6f));
-    }
-    if (settings_.vsp_cost && volume.cost > 0 && surface.cost > 0) {
-        // The least variance times time: sqrt(M / c).
-        v /= std::sqrt(volume.cost);
-        s /= std::sqrt(surface.cost);
-    }
-    // What too few samples stand for is taken to be as the other branch: so paths part by transmittance, as
-    // in delta tracking, until both are known.
-    const float known_v = std::lerp(s, v, volume.known), known_s = std::lerp(v, s, surface.known);
-    v = known_v;
-    s = known_s;
-    if (!(v + s > 0))
-        return guide;  // black so far
-    // What was not seen yet may be there all the same.
-    constexpr float kFloor = 0.02f;
-    const float least = kFloor * std::max(v, s);
-    guide.volume_radiance = std::max(v, least) / (v + s);
-    guide.surface_radiance = std::max(s, least) / (v + s);
-    const float towards_volume = guide.volume_radiance * near.volume.weight;
-    const float towards_surface = guide.surface_radiance * near.surface.weight;
-    if (towards_volume + towards_surface > 0) {
-        guide.target =
-            std::clamp(towards_volume / (towards_volume + towards_surface), kLowestVsp, kHighestVsp);
-    }
-    return guide;
 }
 
 VspGuide VspBuffer::guide(int x, int y) const {

@@ -16,9 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "base/vsp_record.h"
-#include "guiding/pool.h"
-#include "tracking/vsp.h"
+#include "guiding/learned_guide.h"
 
 namespace nephele {
 
@@ -46,8 +44,7 @@ class VspBuffer {
     }
     std::vector<Pooled> estimate(std::vector<BranchSums> sums, std::span<const float> feature) const;
     void learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface);
-    Pixel around(int x, int y) const;
-    VspGuide learned(const Pixel& near, const Pooled& volume, const Pooled& surface) const;
+    RayMeans around(int x, int y) const;
 
     int width_, height_;
     Settings settings_;

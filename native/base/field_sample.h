@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a path tells about light at one of its vertices: the segment that leaves it, and what came back.
+#pragma once
+
+#include "base/vsp_record.h"
+#include "math/vec.h"
+
+namespace nephele {
+
+/// What one vertex teaches the guiding field. World space; light, scattering: mean over RGB.
+struct FieldSample {
+    std::uint64_t key = 0;       ///< number of the path, then of the vertex: samples in this order
+    Vec3f p, wi;                 ///< the vertex, and the unit direction in which the path went on
+    float distance = kInfinity;  ///< along wi to the path's next event, m
+    float pdf = 0;               ///< with which wi was drawn, 1/sr, whatever took part in it
+    float scatter_pdf = 0;       ///< with which the BSDF or phase function alone draws wi, 1/sr
+    float scattering = 0;        ///< BSDF times cosine, or phase function with albedo, 1/sr
+    float light = 0;             ///< radiance that came along wi: an unbiased sample of what light sampling
+                                 ///< at p leaves over
+    float cost = 0;              ///< work of the rest of the path
+    bool in_volume = false;      ///< whether the vertex is in a volume
+    VspRecord vsp;               ///< of the segment along wi
+};
+
+}  // namespace nephele

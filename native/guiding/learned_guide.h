@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From samples of both branches, volume and surface, to the guide of segments that are alike: those of a
+// pixel's camera rays (vsp_buffer.h), or those that leave a region of space in about one direction.
+#pragma once
+
+#include "base/vsp_record.h"
+#include "guiding/pool.h"
+#include "tracking/vsp.h"
+
+namespace nephele {
+
+/// Sums over samples of what segments meet.
+struct RayMeans {
+    float samples = 0, transmittance = 0, majorant_depth = 0;
+    float volume_weight = 0, surface_weight = 0;
+};
+
+/// Adds a sample to one branch's sums. weight: the branch's, taken or not; `taken`: it is the record's.
+void add_branch(BranchSums& sums, float weight, bool taken, const VspRecord& record);
+
+/// The guide that both branches' estimates ask for. Without samples: delta tracking's probabilities.
+VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,
+                       const Pooled& surface);
+
+}  // namespace nephele
