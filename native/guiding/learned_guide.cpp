@@ -12,16 +12,8 @@ void add_branch(BranchSums& sums, float weight, bool taken, const VspRecord& rec
         return;
     sums.taken += 1;
     sums.cost += record.cost;
-    if (weight > 0) {
-        // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
-        constexpr float kLargest = 1e15f;
-        const float light = std::min(record.light, kLargest);
-        const float square = std::min(record.light * record.light * record.probability / weight, kLargest);
-        sums.light += light;
-        sums.light2 += light * light;
-        sums.square += square;
-        sums.square2 += square * square;
-    }
+    if (weight > 0)
+        add_light(sums, record.light, record.light * record.light * record.probability / weight);
 }
 
 VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,

@@ -17,6 +17,7 @@ import numpy as np
 from nephele import description, parameters, passes
 
 __version__ = "0.0-fake"
+FIELD = {"guiding_field": {"trains": True, "reason": "the fake learns"}}
 
 
 def build_info():
@@ -24,7 +25,7 @@ def build_info():
 
 
 def scene_features(scene):
-    return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]}
+    return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]} | FIELD
 
 
 class Renderer:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guiding of camera rays: samples their segments by what the pixel has learned, and notes what the path
-// teaches about it.
+// Guiding of one segment of a path, between two of its vertices: samples it by what was learned about such
+// segments, by the pixel for camera rays, by the guiding field for others, and notes what it teaches.
 #pragma once
 
 #include "integrators/integrator.h"
@@ -9,34 +9,37 @@
 
 namespace nephele {
 
-class PrimaryGuiding {
+class SegmentGuiding {
   public:
-    PrimaryGuiding(const Settings& settings, const VspGuide* guide) : settings_(settings), guide_(guide) {}
+    /// beta: mean throughput at the segment's start.
+    SegmentGuiding(const Settings& settings, std::optional<VspGuide> guide, float beta)
+        : settings_(&settings), guide_(guide), beta_(beta) {}
 
-    /// The path's work begins: what passes ask for besides does not count, or it would change the image.
+    /// The segment's work begins.
     void start(const Counters& counters) { start_ = work(counters); }
 
-    /// Whether camera rays are guided at all.
-    bool active() const { return guide_ != nullptr; }
-    bool resamples() const { return settings_.distance_sampling == Settings::DistanceSampling::vspg; }
+    float beta() const { return beta_; }
+    /// Whether the segment is guided at all.
+    bool active() const { return guide_.has_value(); }
+    bool resamples() const { return settings_->distance_sampling == Settings::DistanceSampling::vspg; }
 
     /// Walks ws.segment. beta: throughput at its start.
     Stream walk(const Scene& scene, Rgb beta, PathSampler& sampler, Workspace& ws) const {
         std::optional<LightEstimate> lights;
-        if (settings_.vsp_product)
+        if (settings_->vsp_product)
             lights = light_estimate(scene.lights(), ws.segment, sampler.rng());
-        StreamSampler stream(ws.segment, ws.tracking, settings_, *guide_, lights ? &*lights : nullptr,
+        StreamSampler stream(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
                              sampler.rng(), ws.counters);
         return stream.run(beta);
     }
 
     /// Probability of scattering at the stream's candidate.
     float probability(const Stream& stream) const {
-        return volume_probability(settings_, *guide_, stream.weights);
+        return volume_probability(*settings_, *guide_, stream.weights);
     }
     /// Whether to take direct light there in any case: where the path itself rarely goes, though not so
     /// rarely that its light could not matter.
-    bool gathers(float p) const { return settings_.vsp_gather && p > kLeastGather && p < kMostGather; }
+    bool gathers(float p) const { return settings_->vsp_gather && p > kLeastGather && p < kMostGather; }
 
     /// Decides with probability p between the stream's candidate and passing; updates beta. Emission is in
     /// the flight.
@@ -60,8 +63,37 @@ class PrimaryGuiding {
     /// Samples the segment by NDS or NDS+; updates beta.
     Flight normalized_flight(Rgb& beta, float distance, PathSampler& sampler, Workspace& ws) {
         const float before = mean(beta);
-        const Flight flight =
-            nds_flight(ws.segment, ws.tracking, settings_, *guide_, beta, sampler.rng(), ws.counters);
+        return noted(nds_flight(ws.segment, ws.tracking, *settings_, *guide_, beta, sampler.rng(), ws.counters),
+                     before, beta, distance);
+    }
+
+    /// Samples the segment as paths do without guiding; updates beta.
+    Flight plain_flight(Rgb& beta, float distance, PathSampler& sampler, Workspace& ws) {
+        const float before = mean(beta);
+        return noted(sample_flight(ws.segment, ws.tracking, *settings_, beta, sampler.rng(), ws.counters),
+                     before, beta, distance);
+    }
+
+    /// What the segment taught, once all that comes of it is known. light: what the decision had a part in.
+    /// gathered: direct light at the candidate, in any case; it counts as the volume's, or the volume would
+    /// be visited as rarely as if that light were not there, and what else there is with it.
+    const VspRecord& finish(Rgb light, Rgb gathered, const Counters& counters) {
+        if (record_.scattered)
+            light += gathered / record_.probability;
+        record_.light = mean(light) / beta_;
+        record_.volume_weight /= beta_;
+        record_.surface_weight /= beta_;
+        record_.cost = work(counters) - start_;
+        return record_;
+    }
+    /// Probability with which the segment was to scatter; 0 where nothing asked for one.
+    float target() const {
+        const bool conditional = settings_->vsp_control == Settings::VspControl::conditional && resamples();
+        return conditional ? 1 - passing_ : record_.known && guide_ ? guide_->target : 0;
+    }
+
+  private:
+    Flight noted(const Flight& flight, float before, Rgb beta, float distance) {
         const bool scattered = flight.event == Flight::Event::scattered;
         const float weight = flight.event == Flight::Event::absorbed ? 0 : mean(beta);
         // Weights and light of one sample alone have the right expectations; probabilities play no part.
@@ -71,19 +103,6 @@ class PrimaryGuiding {
         return flight;
     }
 
-    /// What the path taught, once it has ended. volume, surface: light of either branch that the decision
-    /// had a part in. gathered: direct light at the candidate, in any case; it counts as the volume's, or
-    /// the volume would be visited as rarely as if that light were not there, and what else there is with it.
-    void finish(Rgb volume, Rgb surface, Rgb gathered, const Counters& counters, PixelSample& out) {
-        const Rgb light = record_.scattered ? volume + gathered / record_.probability : surface;
-        record_.light = mean(light);
-        record_.cost = work(counters) - start_;
-        out.vsp = record_;
-        const bool conditional = settings_.vsp_control == Settings::VspControl::conditional && resamples();
-        out.vsp_target = conditional ? 1 - passing_ : record_.known ? guide_->target : 0;
-    }
-
-  private:
     static constexpr float kLeastGather = 0.02f, kMostGather = 0.5f;
 
     static std::optional<LightEstimate> light_estimate(const LightSet& lights, const Segment& segment,
@@ -116,9 +135,10 @@ class PrimaryGuiding {
                                   kRay * static_cast<double>(counters.rays));
     }
 
-    const Settings& settings_;
-    const VspGuide* guide_;
+    const Settings* settings_;
+    std::optional<VspGuide> guide_;
     VspRecord record_;
+    float beta_;
     float passing_ = 1;  // probability of having passed so far
     float start_ = 0;    // work before the path
 };

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How many branches go on from a vertex: Russian roulette below one, splitting above, so that the image's
+// relative error falls fastest for the work (Rath, Grittmann, Herholz, Weier, Slusallek, SIGGRAPH 2022,
+// "EARS: Efficiency-Aware Russian Roulette and Splitting", equation 12): a branch is worth its throughput
+// times the root of (second moment of what it brings / its work), relative to the root of (variance / work)
+// of the whole pixel.
+#pragma once
+
+#include <optional>
+
+#include "integrators/integrator.h"
+
+namespace nephele {
+
+/// Expected number of branches; nothing where too little is known. beta: mean throughput at the vertex.
+inline std::optional<float> expected_branches(const Settings& settings, const SampleRequest& request,
+                                              const FieldRegion* region, float beta) {
+    constexpr float kFewest = 0.05f, kMost = 8;
+    if (!settings.guided_roulette || !region || !(request.worth > 0))
+        return std::nullopt;
+    const float worth = beta * region->worth;
+    if (!(worth > 0))
+        return std::nullopt;
+    return std::clamp(worth / request.worth, kFewest, kMost);
+}
+
+}  // namespace nephele

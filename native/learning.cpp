@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "learning.h"
+
+#include "guiding/saved_rows.h"
+
+namespace nephele {
+
+namespace {
+
+constexpr const char* kState = "learning_state";
+constexpr const char* kLessons = "field_lessons";
+
+/// Lessons between two updates: more cost more time and memory than they bring.
+constexpr double kMostLessons = 1 << 18;
+constexpr double kUsualVertices = 8;  // of a path, before any was seen
+
+bool is_power_of_two(int n) {
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+bool guides_camera_rays(const Settings& settings, const SceneFeatures& features) {
+    return settings.integrator == Settings::Integrator::path && features.media && settings.vsp_primary &&
+           settings.distance_sampling != Settings::DistanceSampling::delta;
+}
+
+}  // namespace
+
+FieldDecision decide_field(const Scene& scene, const Settings& settings) {
+    const SceneFeatures& f = scene.features();
+    const bool later_vsp = f.media && settings.vsp_secondary &&
+                           settings.distance_sampling == Settings::DistanceSampling::vspg;
+    if (settings.train_field == Settings::TrainField::never)
+        return {false, "switched off"};
+    if (settings.integrator != Settings::Integrator::path)
+        return {false, "the plain integrator guides nothing"};
+    if (!(settings.guide_directions || later_vsp || settings.guided_roulette))
+        return {false, "no setting asks for it"};
+    if (settings.train_field == Settings::TrainField::always)
+        return {true, "switched on"};
+    if (settings.max_bounces == 0)
+        return {false, "paths do not bounce"};
+    if (!f.media && !f.surfaces)
+        return {false, "nothing scatters"};
+    const std::size_t lights = scene.lights().size();
+    if (!f.surfaces && !f.grids && !f.programs && !f.overlap && lights <= 1 && !f.volume_emission)
+        return {false, "one medium that does not vary, and one light"};
+    return {true, "light arrives by way of several bounces"};
+}
+
+Learning::Learning(const Scene& scene, const Settings& settings, int width, int height)
+    : settings_(settings) {
+    if (guides_camera_rays(settings, scene.features()))
+        guides_.emplace(width, height, settings);
+    if (!decide_field(scene, settings).trains)
+        return;
+    constexpr std::size_t kMebibyte = 1 << 20;
+    field_.emplace(settings, static_cast<std::size_t>(settings.guiding_memory) * kMebibyte);
+    asked_share_ = std::min(1.0, kMostLessons / (kUsualVertices * width * height));
+    if (settings.guided_roulette)
+        image_.emplace(width, height);
+}
+
+void Learning::guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const {
+    if (guides_) {
+        guide = guides_->guide(x, y);
+        request.guide = &guide;
+    }
+    request.field = field();
+    request.worth = image_ ? image_->worth(x, y) : 0;
+}
+
+void Learning::ask(std::uint64_t path, SampleRequest& request) const {
+    request.key = path;
+    if (!field_)
+        return;
+    const double u = unit_float(static_cast<std::uint32_t>(
+        hash_combine(static_cast<std::uint64_t>(settings_.seed), path) >> 32));
+    request.teaches = u < asked_share_;
+}
+
+void Learning::add(int x, int y, const PixelSample& sample) {
+    if (guides_)
+        guides_->add(x, y, sample.vsp);
+    if (image_)
+        image_->add(x, y, mean(sample.volume + sample.surface), sample.work);
+}
+
+void Learning::collect(Workspace& ws) {
+    vertices_ += static_cast<double>(ws.vertices);
+    lessons_.insert(lessons_.end(), ws.lessons.begin(), ws.lessons.end());
+}
+
+bool Learning::update(int samples) {
+    if (!active() || !is_power_of_two(samples) || learned_at_ == samples)
+        return false;
+    if (guides_)
+        guides_->update();
+    if (image_)
+        image_->update();
+    if (field_) {
+        field_->update(std::move(lessons_));
+        lessons_ = {};
+        // The samples up to the next update are as many as those from the start on.
+        const double expected = vertices_ * samples / (samples - learned_at_);
+        asked_share_ = std::min(1.0, kMostLessons / std::max(expected, 1.0));
+        vertices_ = 0;
+    }
+    learned_at_ = samples;
+    return true;
+}
+
+void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
+    if (!active())
+        return;
+    saved[kState] = {static_cast<double>(learned_at_), vertices_, asked_share_};
+    if (guides_)
+        guides_->save(saved);
+    if (image_)
+        image_->save(saved);
+    if (field_) {
+        field_->save(saved);
+        saved[kLessons] = flattened(lessons_);
+    }
+}
+
+void Learning::restore(const std::map<std::string, std::vector<double>>& saved) {
+    if (!active())
+        return;
+    if (!saved.contains(kState) || saved.at(kState).size() != 3)
+        throw std::invalid_argument("the checkpoint holds nothing learned; render with the settings it was "
+                                    "made with");
+    const std::vector<double>& state = saved.at(kState);
+    learned_at_ = static_cast<int>(state[0]);
+    vertices_ = state[1];
+    asked_share_ = state[2];
+    if (guides_)
+        guides_->restore(saved);
+    if (image_)
+        image_->restore(saved);
+    if (field_) {
+        field_->restore(saved);
+        lessons_ = unflattened<FieldSample>(saved, kLessons);
+    }
+}
+
+std::map<std::string, std::vector<double>> Learning::knowledge() const {
+    std::map<std::string, std::vector<double>> saved;
+    if (guides_)
+        guides_->save(saved);
+    if (image_)
+        image_->save(saved);
+    if (field_)
+        field_->save(saved);
+    return saved;
+}
+
+std::string Learning::inherit(const std::map<std::string, std::vector<double>>& knowledge) {
+    constexpr float kWorthSamples = 8;  // of each pixel, however many there were
+    std::vector<std::string> taken;
+    if (field_ && knowledge.contains(GuidingField::kSavedAs)) {
+        field_->restore(knowledge);
+        taken.push_back("the field");
+    }
+    if (guides_ && guides_->inherit(knowledge, kWorthSamples))
+        taken.push_back("the camera rays' guides");
+    if (image_ && image_->inherit(knowledge, kWorthSamples))
+        taken.push_back("the image's estimate");
+    if (taken.empty())
+        throw std::invalid_argument("nothing of it is of use here: the settings guide nothing that it knows");
+    std::string out = taken[0];
+    for (std::size_t i = 1; i < taken.size(); ++i)
+        out += (i + 1 < taken.size() ? ", " : " and ") + taken[i];
+    return out;
+}
+
+}  // namespace nephele
