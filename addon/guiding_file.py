@@ -41,7 +41,9 @@ def load(path, scene, program_version):
     if program != program_version:
         raise InputError(f"{path}: made by version {program}, this is {program_version}; make it anew")
     if strange:
-        raise InputError(f"{path}: was learned in another scene ({'; '.join(strange)}); leave --guiding-load out")
+        raise InputError(
+            f"{path}: was learned in another scene ({'; '.join(strange)}); leave --guiding-load out"
+        )
     return arrays
 
 

@@ -8,11 +8,16 @@ namespace nephele {
 namespace {
 
 constexpr const char* kState = "learning_state";
+constexpr const char* kTrial = "learning_trial";
 constexpr const char* kLessons = "field_lessons";
 
 /// Lessons between two updates: more cost more time and memory than they bring.
-constexpr double kMostLessons = 1 << 18;
+constexpr double kMostLessons = 1 << 17;
+constexpr double kLessonSamples = 8;  // of each pixel between two updates
 constexpr double kUsualVertices = 8;  // of a path, before any was seen
+/// Samples per pixel between which the techniques are tried: the field has to know something by then, and
+/// the image's estimate too.
+constexpr int kTrialBegins = 4, kTrialEnds = 16;
 
 bool is_power_of_two(int n) {
     return n > 0 && (n & (n - 1)) == 0;
@@ -27,8 +32,8 @@ bool guides_camera_rays(const Settings& settings, const SceneFeatures& features)
 
 FieldDecision decide_field(const Scene& scene, const Settings& settings) {
     const SceneFeatures& f = scene.features();
-    const bool later_vsp = f.media && settings.vsp_secondary &&
-                           settings.distance_sampling == Settings::DistanceSampling::vspg;
+    const bool later_vsp =
+        f.media && settings.vsp_secondary && settings.distance_sampling == Settings::DistanceSampling::vspg;
     if (settings.train_field == Settings::TrainField::never)
         return {false, "switched off"};
     if (settings.integrator != Settings::Integrator::path)
@@ -56,8 +61,8 @@ Learning::Learning(const Scene& scene, const Settings& settings, int width, int 
     constexpr std::size_t kMebibyte = 1 << 20;
     field_.emplace(settings, static_cast<std::size_t>(settings.guiding_memory) * kMebibyte);
     asked_share_ = std::min(1.0, kMostLessons / (kUsualVertices * width * height));
-    if (settings.guided_roulette)
-        image_.emplace(width, height);
+    image_.emplace(width, height);
+    choice_ = TechniqueChoice(settings);
 }
 
 void Learning::guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const {
@@ -73,21 +78,31 @@ void Learning::ask(std::uint64_t path, SampleRequest& request) const {
     request.key = path;
     if (!field_)
         return;
-    const double u = unit_float(static_cast<std::uint32_t>(
-        hash_combine(static_cast<std::uint64_t>(settings_.seed), path) >> 32));
-    request.teaches = u < asked_share_;
+    request.set = choice_.draw(unit_float(static_cast<std::uint32_t>(
+        hash_combine(static_cast<std::uint64_t>(settings_.seed) + 1, path) >> 32)));
+    request.use = choice_.set(request.set);
+    const double u = unit_float(
+        static_cast<std::uint32_t>(hash_combine(static_cast<std::uint64_t>(settings_.seed), path) >> 32));
+    request.teaches = u < asked_share_ && !retired();
 }
 
-void Learning::add(int x, int y, const PixelSample& sample) {
+void Learning::add(int x, int y, const PixelSample& sample, int set, Workspace& ws) {
     if (guides_)
         guides_->add(x, y, sample.vsp);
-    if (image_)
-        image_->add(x, y, mean(sample.volume + sample.surface), sample.work);
+    if (!image_)
+        return;
+    const float radiance = mean(sample.volume + sample.surface);
+    if (learned_at_ >= kTrialBegins && !choice_.decided())
+        ws.trial[static_cast<std::size_t>(set)].add(double{image_->relative_error(x, y, radiance)},
+                                                    double{sample.work});
+    image_->add(x, y, radiance, sample.work);
 }
 
 void Learning::collect(Workspace& ws) {
     vertices_ += static_cast<double>(ws.vertices);
     lessons_.insert(lessons_.end(), ws.lessons.begin(), ws.lessons.end());
+    for (std::size_t i = 0; i < trial_.size(); ++i)
+        trial_[i] += ws.trial[i];
 }
 
 bool Learning::update(int samples) {
@@ -95,24 +110,39 @@ bool Learning::update(int samples) {
         return false;
     if (guides_)
         guides_->update();
-    if (image_)
+    if (image_ && !retired())
         image_->update();
-    if (field_) {
+    if (field_ && samples >= kTrialEnds && !choice_.decided())
+        choice_.decide(trial_);
+    if (field_ && !retired()) {
         field_->update(std::move(lessons_));
         lessons_ = {};
         // The samples up to the next update are as many as those from the start on.
         const double expected = vertices_ * samples / (samples - learned_at_);
-        asked_share_ = std::min(1.0, kMostLessons / std::max(expected, 1.0));
+        asked_share_ = std::min({1.0, kMostLessons / std::max(expected, 1.0), kLessonSamples / samples});
         vertices_ = 0;
     }
     learned_at_ = samples;
     return true;
 }
 
+/// Whether the field has turned out to be of no use.
+bool Learning::retired() const {
+    return choice_.decided() && !choice_.set(choice_.chosen()).any();
+}
+
+std::optional<Techniques> Learning::chosen() const {
+    if (!field_ || !choice_.decided())
+        return std::nullopt;
+    return choice_.set(choice_.chosen());
+}
+
 void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
     if (!active())
         return;
-    saved[kState] = {static_cast<double>(learned_at_), vertices_, asked_share_};
+    saved[kState] = {static_cast<double>(learned_at_), vertices_, asked_share_,
+                     static_cast<double>(choice_.chosen())};
+    saved[kTrial] = flattened(std::vector(trial_.begin(), trial_.end()));
     if (guides_)
         guides_->save(saved);
     if (image_)
@@ -126,13 +156,19 @@ void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
 void Learning::restore(const std::map<std::string, std::vector<double>>& saved) {
     if (!active())
         return;
-    if (!saved.contains(kState) || saved.at(kState).size() != 3)
-        throw std::invalid_argument("the checkpoint holds nothing learned; render with the settings it was "
-                                    "made with");
+    if (!saved.contains(kState) || saved.at(kState).size() != 4)
+        throw std::invalid_argument(
+            "the checkpoint holds nothing learned; render with the settings it was "
+            "made with");
     const std::vector<double>& state = saved.at(kState);
     learned_at_ = static_cast<int>(state[0]);
     vertices_ = state[1];
     asked_share_ = state[2];
+    choice_.restore(static_cast<int>(state[3]));
+    const auto trial = unflattened<TrialSums>(saved, kTrial);
+    if (trial.size() != trial_.size())
+        throw std::invalid_argument("the checkpoint is damaged ('trial'); render without it");
+    std::copy(trial.begin(), trial.end(), trial_.begin());
     if (guides_)
         guides_->restore(saved);
     if (image_)

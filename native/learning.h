@@ -20,13 +20,15 @@ class Learning {
     /// Whether anything is learned.
     bool active() const { return guides_.has_value() || field_.has_value(); }
     const GuidingField* field() const { return field_ ? &*field_ : nullptr; }
+    /// What the field is used for, once that is decided.
+    std::optional<Techniques> chosen() const;
 
     /// Fills in what samples of a pixel are guided by; `guide` is storage for it.
     void guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const;
     /// Fills in whether the path teaches the field. path: its number among all paths of the frame.
     void ask(std::uint64_t path, SampleRequest& request) const;
     /// Takes note of a sample; each pixel from one thread at a time.
-    void add(int x, int y, const PixelSample& sample);
+    void add(int x, int y, const PixelSample& sample, int set, Workspace& ws);
     /// Takes over what a thread's paths taught; from one thread at a time.
     void collect(Workspace& ws);
 
@@ -46,11 +48,15 @@ class Learning {
     std::string inherit(const std::map<std::string, std::vector<double>>& knowledge);
 
   private:
+    bool retired() const;
+
     Settings settings_;
     std::optional<VspBuffer> guides_;
     std::optional<GuidingField> field_;
     std::optional<ImageEstimate> image_;
     std::vector<FieldSample> lessons_;
+    TechniqueChoice choice_;
+    Trial trial_{};
     double vertices_ = 0;     // since the last update, lessons or not
     double asked_share_ = 1;  // of the paths that teach the field
     int learned_at_ = 0;      // samples per pixel when it learned last

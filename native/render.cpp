@@ -173,18 +173,27 @@ void Render::render_pixel(int x, int y, int target, Workspace& ws) {
     VspGuide guide;
     learning_.guide_pixel(x, y, request, guide);
     for (std::uint32_t i = first; i < static_cast<std::uint32_t>(target) && !cancelled_; ++i) {
+        learning_.ask(number_of_path(x, y, i), request);
         const PixelSample sample = take_sample(x, y, i, request, ws);
         film_.add(x, y, sample, settings_.film_exposure);
-        learning_.add(x, y, sample);
+        learning_.add(x, y, sample, request.set, ws);
     }
     samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);
 }
 
-PixelSample Render::take_sample(int x, int y, std::uint32_t index, SampleRequest request,
+std::uint32_t Render::number_of_pixel(int x, int y) const {
+    return static_cast<std::uint32_t>(y + frame_.y0) * static_cast<std::uint32_t>(frame_.width) +
+           static_cast<std::uint32_t>(x + frame_.x0);
+}
+
+std::uint64_t Render::number_of_path(int x, int y, std::uint32_t index) const {
+    return std::uint64_t{number_of_pixel(x, y)} << 24 | index;
+}
+
+PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                                 Workspace& ws) const {
     const int fx = x + frame_.x0, fy = y + frame_.y0;
-    const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) +
-                       static_cast<std::uint32_t>(fx);
+    const std::uint32_t pixel = number_of_pixel(x, y);
     PathSampler sampler(settings_.sampler == Settings::Sampler::sobol,
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
@@ -192,10 +201,8 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, SampleRequest
     const float time = scene_->features().motion ? sampler.next() : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
-    if (learning_.active()) {
+    if (learning_.active())
         sampler.enter_epoch(epoch_of(index));
-        learning_.ask(std::uint64_t{pixel} << 24 | index, request);
-    }
     const std::uint64_t lookups = ws.counters.density_lookups;
     PixelSample s = kernel_(*scene_, settings_, request, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);

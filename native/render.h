@@ -77,7 +77,10 @@ class Render {
     void render_pass(int target);
     void render_tile(int tile, int target);
     void render_pixel(int x, int y, int target, Workspace& ws);
-    PixelSample take_sample(int x, int y, std::uint32_t index, SampleRequest request, Workspace& ws) const;
+    std::uint32_t number_of_pixel(int x, int y) const;
+    std::uint64_t number_of_path(int x, int y, std::uint32_t index) const;
+    PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
+                            Workspace& ws) const;
     void learn();
     bool must_stop() const;
     int lowest_count() const;

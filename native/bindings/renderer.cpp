@@ -194,9 +194,10 @@ void bind_renderer(nb::module_& m) {
         .def("knowledge", &Renderer::knowledge,
              "dict name -> float64 array: what it learned, for `inherit` of another render. Not while it "
              "runs.")
-        .def("inherit", &Renderer::inherit, nb::arg("knowledge"),
-             "Starts from what another render learned, before `start`. Returns what was taken over, in words. "
-             "Raises ValueError where it does not fit.")
+        .def(
+            "inherit", &Renderer::inherit, nb::arg("knowledge"),
+            "Starts from what another render learned, before `start`. Returns what was taken over, in words. "
+            "Raises ValueError where it does not fit.")
         .def_prop_ro("warnings", &Renderer::warnings,
                      "What was left out or mended while building, one sentence each.");
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The guiding field: what is known of light at every place and in every direction, learned from the paths of
-// the render itself. Two kd-trees over space, one for vertices in volumes and one for those on surfaces; their
-// leaves are FieldRegions, and are parted where paths go often (Mueller, Gross, Novak 2017, "Practical Path
-// Guiding"; Herholz et al. 2019).
+// the render itself. Two kd-trees over space, one for vertices in volumes and one for those on surfaces;
+// their leaves are FieldRegions, and are parted where paths go often (Mueller, Gross, Novak 2017, "Practical
+// Path Guiding"; Herholz et al. 2019).
 //
 // Between two updates the field stands still: any number of threads may read it without locks.
 #pragma once

@@ -11,6 +11,7 @@ namespace nephele {
 
 namespace {
 
+constexpr float kTrial = 0.25f;          // share of segments that are resampled until it is known to pay
 constexpr float kLongestMemory = 16384;  // earlier samples that count, at most
 
 /// What a vertex brings along wi per unit of throughput.
@@ -38,14 +39,6 @@ Pooled estimate(const BranchSums& lobe, const BranchSums& region) {
             mix(near.noise, wide.noise)};
 }
 
-void add_to(RayMeans& rays, const VspRecord& record, float share) {
-    rays.samples += share;
-    rays.transmittance += share * record.transmittance;
-    rays.majorant_depth += share * std::min(record.majorant_depth, 1e6f);
-    rays.volume_weight += share * record.volume_weight;
-    rays.surface_weight += share * record.surface_weight;
-}
-
 void add_to(BranchSums& sum, const BranchSums& one, float share) {
     const BranchSums part = thinned(one, share);
     sum.weight += part.weight;
@@ -61,7 +54,7 @@ void add_to(BranchSums& sum, const BranchSums& one, float share) {
 
 VspGuide FieldRegion::vsp(Vec3f wi) const {
     const LobeValues gamma = mixture.responsibilities(wi);
-    VspGuide out{0, 0, 0, 0, 0, 0};
+    VspGuide out{0, 0, 0, 0, 0, 0, 0};
     for (std::size_t k = 0; k < kMostLobes; ++k) {
         out.volume_radiance += gamma[k] * guides_[k].volume_radiance;
         out.surface_radiance += gamma[k] * guides_[k].surface_radiance;
@@ -69,6 +62,7 @@ VspGuide FieldRegion::vsp(Vec3f wi) const {
         out.transmittance += gamma[k] * guides_[k].transmittance;
         out.majorant_depth += gamma[k] * guides_[k].majorant_depth;
         out.surface_noise += gamma[k] * guides_[k].surface_noise;
+        out.walk_share += gamma[k] * guides_[k].walk_share;
     }
     return out;
 }
@@ -98,9 +92,7 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
 /// Lets what it knows count as `share` of the samples.
 void FieldRegion::keep(float share) {
     for (Segments& s : segments_) {
-        for (float* value : {&s.rays.samples, &s.rays.transmittance, &s.rays.majorant_depth,
-                             &s.rays.volume_weight, &s.rays.surface_weight})
-            *value *= share;
+        s.rays = thinned(s.rays, share);
         s.volume = thinned(s.volume, share);
         s.surface = thinned(s.surface, share);
     }
@@ -114,7 +106,7 @@ void FieldRegion::keep(float share) {
 /// The second moment that each share of guided directions would have had.
 void FieldRegion::learn_share(std::span<const FieldSample> samples) {
     constexpr float kFirst = 0.5f;      // until samples say more
-    constexpr float kWorthIts = 1.02f;  // what no guidance may lose, for its lookups
+    constexpr float kWorthIts = 1.04f;  // the least gain that guiding has to bring: it takes time
     if (fit_.samples() > 0) {
         const std::vector<float> squares = bounded_squares(samples);
         for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -160,7 +152,7 @@ void FieldRegion::learn_segments(const Settings& settings, std::span<const Field
         for (std::size_t k = 0; k < kMostLobes; ++k) {
             if (gamma[k] < 0.01f)
                 continue;
-            add_to(segments_[k].rays, s.vsp, gamma[k]);
+            add_means(segments_[k].rays, s.vsp, gamma[k]);
             add_to(segments_[k].volume, volume, gamma[k]);
             add_to(segments_[k].surface, surface, gamma[k]);
         }
@@ -173,7 +165,7 @@ void FieldRegion::learn_segments(const Settings& settings, std::span<const Field
     for (std::size_t k = 0; k < kMostLobes; ++k) {
         const Segments& s = segments_[k];
         guides_[k] = learned_guide(settings, s.rays, estimate(s.volume, all.volume),
-                                   estimate(s.surface, all.surface));
+                                   estimate(s.surface, all.surface), kTrial);
     }
 }
 

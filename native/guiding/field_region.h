@@ -16,11 +16,11 @@ inline constexpr std::array<float, 5> kGuidedShares = {0, 0.25f, 0.5f, 0.75f, 0.
 class FieldRegion {
   public:
     // What paths read.
-    VmfMixture mixture;          ///< of incident radiance, as seen from the pivot
-    Vec3f pivot;                 ///< world space
-    float guided_share = 0;      ///< of the directions that the mixture is worth drawing
-    float worth = 0;             ///< root of (second moment of what a branch brings, per unit of throughput /
-                                 ///< its work); 0: unknown
+    VmfMixture mixture;      ///< of incident radiance, as seen from the pivot
+    Vec3f pivot;             ///< world space
+    float guided_share = 0;  ///< of the directions that the mixture is worth drawing
+    float worth = 0;         ///< root of (second moment of what a branch brings, per unit of throughput /
+                             ///< its work); 0: unknown
 
     /// How segments that leave in direction wi should be sampled; what is not known of it is as in delta
     /// tracking.

@@ -21,6 +21,12 @@ class ImageEstimate {
     /// Mean radiance of the pixel times the root of (the image's relative variance / mean work of a path);
     /// 0: unknown.
     float worth(int x, int y) const { return worth_[index(x, y)]; }
+    /// Squared error of a sample's radiance, relative to the estimate; dark pixels count by a tenth of the
+    /// image's mean.
+    float relative_error(int x, int y, float radiance) const {
+        const float off = radiance - light_[index(x, y)];
+        return off * off * scale_[index(x, y)];
+    }
 
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
@@ -36,7 +42,7 @@ class ImageEstimate {
 
     int width_, height_;
     std::vector<BranchSums> sums_;
-    std::vector<float> worth_;
+    std::vector<float> worth_, light_, scale_;
 };
 
 }  // namespace nephele

@@ -7,13 +7,13 @@ namespace nephele {
 
 namespace {
 
-constexpr float kLongestMemory = 16384;    // earlier samples that count, at most
-constexpr float kWeightPrior = 1;          // samples that every lobe is sure of
-constexpr float kCosinePrior = 1.5f;       // samples of any direction that every lobe has seen besides
+constexpr float kLongestMemory = 16384;  // earlier samples that count, at most
+constexpr float kWeightPrior = 1;        // samples that every lobe is sure of
+constexpr float kCosinePrior = 1.5f;     // samples of any direction that every lobe has seen besides
 constexpr float kLargestMeanCosine = 0.9999f;
-constexpr float kAlike = 0.97f;            // cosine of two lobes' densities from which they are one
-constexpr float kLopsided = 3;             // ratio of the principal variances from which a lobe is two
-constexpr float kEnoughToSplit = 64;       // samples
+constexpr float kAlike = 0.97f;       // cosine of two lobes' densities from which they are one
+constexpr float kLopsided = 3;        // ratio of the principal variances from which a lobe is two
+constexpr float kEnoughToSplit = 64;  // samples
 constexpr int kFirstSteps = 8, kLaterSteps = 2;
 
 /// Lobes at the corners of a cube.
@@ -47,8 +47,8 @@ bool tame(std::span<MixtureSample> samples) {
 float overlap(const VmfLobe& a, const VmfLobe& b) {
     const Vec3f v = a.mu * a.kappa + b.mu * b.kappa;
     const float product = length(v);
-    const float exponent =
-        2 * a.kappa * b.kappa * vmf_cosine_less_one(a.mu, b.mu) / std::max(product + a.kappa + b.kappa, 1e-30f);
+    const float exponent = 2 * a.kappa * b.kappa * vmf_cosine_less_one(a.mu, b.mu) /
+                           std::max(product + a.kappa + b.kappa, 1e-30f);
     return vmf_peak(a.kappa) * vmf_peak(b.kappa) / vmf_peak(product) * std::exp(exponent);
 }
 
@@ -128,8 +128,11 @@ bool MixtureFit::merge(VmfMixture& mixture) {
     float most = kAlike;
     for (int i = 0; i < kMostLobes; ++i) {
         for (int j = i + 1; j < kMostLobes; ++j) {
-            const auto at = [&](int k) { return VmfLobe{mixture.mu(k), mixture.kappa[static_cast<std::size_t>(k)]}; };
-            if (mixture.weight[static_cast<std::size_t>(i)] == 0 || mixture.weight[static_cast<std::size_t>(j)] == 0)
+            const auto at = [&](int k) {
+                return VmfLobe{mixture.mu(k), mixture.kappa[static_cast<std::size_t>(k)]};
+            };
+            if (mixture.weight[static_cast<std::size_t>(i)] == 0 ||
+                mixture.weight[static_cast<std::size_t>(j)] == 0)
                 continue;
             const float alike =
                 overlap(at(i), at(j)) / std::sqrt(overlap(at(i), at(i)) * overlap(at(j), at(j)));

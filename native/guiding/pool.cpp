@@ -102,8 +102,8 @@ Pooled pooled_alone(const BranchSums& sums) {
 }
 
 BranchSums thinned(BranchSums sums, float share) {
-    for (float* value : {&sums.weight, &sums.light, &sums.light2, &sums.square, &sums.square2, &sums.cost,
-                         &sums.taken})
+    for (float* value :
+         {&sums.weight, &sums.light, &sums.light2, &sums.square, &sums.square2, &sums.cost, &sums.taken})
         *value *= share;
     return sums;
 }

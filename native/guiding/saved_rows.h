@@ -26,8 +26,7 @@ template <class Row>
 bool holds(const std::map<std::string, std::vector<double>>& saved, const char* name,
            const std::vector<Row>& rows) {
     const auto found = saved.find(name);
-    return found != saved.end() &&
-           found->second.size() == rows.size() * sizeof(Row) / sizeof(std::uint32_t);
+    return found != saved.end() && found->second.size() == rows.size() * sizeof(Row) / sizeof(std::uint32_t);
 }
 
 /// Throws std::invalid_argument where `name` is missing or not of the rows' number.

@@ -34,13 +34,12 @@ inline float vmf_pdf(const VmfLobe& lobe, Vec3f w) {
 
 inline Vec3f vmf_sample(const VmfLobe& lobe, Vec2f u) {
     // cos - 1 = log(1 - u (1 - exp(-2 kappa))) / kappa, u = 0 on the axis.
-    const float less_one =
-        lobe.kappa < 1e-4f ? -2 * u.x
-                           : std::max(std::log1p(u.x * std::expm1(-2 * lobe.kappa)) / lobe.kappa, -2.0f);
+    const float less_one = lobe.kappa < 1e-4f
+                               ? -2 * u.x
+                               : std::max(std::log1p(u.x * std::expm1(-2 * lobe.kappa)) / lobe.kappa, -2.0f);
     const float sine = std::sqrt(std::max(-less_one * (2 + less_one), 0.0f));
     const float phi = 2 * kPi * u.y;
-    return normalize(
-        Frame(lobe.mu).to_world({sine * std::cos(phi), sine * std::sin(phi), 1 + less_one}));
+    return normalize(Frame(lobe.mu).to_world({sine * std::cos(phi), sine * std::sin(phi), 1 + less_one}));
 }
 
 /// Mean cosine to the axis: coth(kappa) - 1 / kappa, in [0, 1).

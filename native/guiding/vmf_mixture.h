@@ -16,7 +16,8 @@ inline constexpr int kMostLobes = 8;
 /// One value a lobe; loops over all of them become vector instructions.
 using LobeValues = std::array<float, kMostLobes>;
 
-/// exp(x) for x <= 0, relative error below 1e-6; 0 below about -87. Plain arithmetic that compilers vectorise.
+/// exp(x) for x <= 0, relative error below 1e-6; 0 below about -87. Plain arithmetic that compilers
+/// vectorise.
 inline float exp_of_negative(float x) {
     const float y = std::max(x * 1.44269504f, -126.0f);
     const int whole = static_cast<int>(y);  // towards 0: the rest is in (-1, 0]

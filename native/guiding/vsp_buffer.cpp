@@ -56,9 +56,7 @@ void VspBuffer::add(int x, int y, const VspRecord& record) {
     Pixel& pixel = pixels_[index(x, y)];
     add_branch(pixel.volume, record.volume_weight, record.scattered, record);
     add_branch(pixel.surface, record.surface_weight, !record.scattered, record);
-    pixel.samples += 1;
-    pixel.transmittance += record.transmittance;
-    pixel.majorant_depth += std::min(record.majorant_depth, 1e6f);
+    add_means(pixel.rays, record);
     pixel.log_distance += std::log(std::clamp(record.distance, 1e-10f, 1e10f));
 }
 
@@ -70,7 +68,7 @@ void VspBuffer::update() {
     for (const Pixel& p : pixels_) {
         volume.push_back(p.volume);
         surface.push_back(p.surface);
-        log_distance.push_back(p.samples > 0 ? p.log_distance / p.samples : 0);
+        log_distance.push_back(p.rays.samples > 0 ? p.log_distance / p.rays.samples : 0);
     }
     const auto of_volume = pool_with_noise(width_, height_, std::move(volume), {});
     const auto of_surface = pool_with_noise(width_, height_, std::move(surface), log_distance);
@@ -80,7 +78,7 @@ void VspBuffer::update() {
 void VspBuffer::learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface) {
     for (int x = 0; x < width_; ++x) {
         const std::size_t i = index(x, y);
-        guides_[i] = learned_guide(settings_, around(x, y), volume[i], surface[i]);
+        guides_[i] = learned_guide(settings_, around(x, y), volume[i], surface[i], 1);
     }
 }
 
@@ -90,12 +88,7 @@ RayMeans VspBuffer::around(int x, int y) const {
     RayMeans sum;
     for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u) {
-            const Pixel& p = pixels_[index(u, v)];
-            sum.volume_weight += p.volume.weight;
-            sum.surface_weight += p.surface.weight;
-            sum.samples += p.samples;
-            sum.transmittance += p.transmittance;
-            sum.majorant_depth += p.majorant_depth;
+            add_means(sum, pixels_[index(u, v)].rays);
         }
     }
     return sum;
@@ -122,11 +115,11 @@ bool VspBuffer::inherit(const std::map<std::string, std::vector<double>>& saved,
         return false;
     restore(saved);
     for (Pixel& p : pixels_) {
-        const float share = std::min(samples / std::max(p.samples, 1.0f), 1.0f);
+        const float share = std::min(samples / std::max(p.rays.samples, 1.0f), 1.0f);
         p.volume = thinned(p.volume, share);
         p.surface = thinned(p.surface, share);
-        for (float* value : {&p.samples, &p.transmittance, &p.majorant_depth, &p.log_distance})
-            *value *= share;
+        p.rays = thinned(p.rays, share);
+        p.log_distance *= share;
     }
     return true;
 }

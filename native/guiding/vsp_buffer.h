@@ -40,7 +40,8 @@ class VspBuffer {
   private:
     struct Pixel {
         BranchSums volume, surface;
-        float samples = 0, transmittance = 0, majorant_depth = 0, log_distance = 0;
+        RayMeans rays;
+        float log_distance = 0;
     };
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);

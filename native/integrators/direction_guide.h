@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Guiding of directions at one vertex: a share of them is drawn from the light that the field knows to come
-// there, the rest from the BSDF or phase function (one-sample MIS; Vorba et al. 2014, Mueller 2019). The share
-// is learned per region (guiding/region.h).
+// there, the rest from the BSDF or phase function (one-sample MIS; Vorba et al. 2014, Mueller 2019). The
+// share is learned per region (guiding/region.h).
 #pragma once
 
 #include "guiding/field.h"
@@ -22,7 +22,8 @@ class DirectionGuide {
     bool active() const { return share_ > 0; }
     float share() const { return share_; }
 
-    /// Multiplies the light by a phase function, where a lobe stands for it: for what arrives along `forward`.
+    /// Multiplies the light by a phase function, where a lobe stands for it: for what arrives along
+    /// `forward`.
     void fold_in(const PhaseFunction& phase, Vec3f forward) {
         constexpr float kNearlyIsotropic = 0.05f;
         if (!active() || phase.kind != PhaseKind::henyey_greenstein || std::abs(phase.p0) < kNearlyIsotropic)

@@ -106,7 +106,9 @@ class Path {
             return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
         if (!guiding.resamples())
             return guiding.normalized_flight(walk_.beta, distance, sampler_, ws_);
-        const Stream stream = guiding.walk(scene_, walk_.beta, sampler_, ws_);
+        if (!guiding.walks(sampler_.rng()))
+            return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
+        const Stream stream = guiding.walk(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
         const float p = guiding.probability(stream);
         segment->gathered = Rgb(0);
         const bool gathers = guiding.gathers(p);
@@ -177,22 +179,22 @@ class Path {
     /// Weight of light that scattering found, against light sampling at the last vertex.
     template <class Pdf>
     float mis_weight(std::uint32_t light, Pdf&& pdf) const {
-        if (walk_.previous_specular ||
-            (light_visibility(scene_, light) & sampling_kind(walk_.kind)) == 0)
+        if (walk_.previous_specular || (light_visibility(scene_, light) & sampling_kind(walk_.kind)) == 0)
             return 1;
         return power_heuristic(walk_.previous_pdf,
                                scene_.lights().selection_pdf(walk_.way.vertex(), light) * pdf());
     }
 
-    ShadingPoint shading(const Hit& hit) const {
-        return scene_.shading_point(hit, walk_.ray, walk_.kind);
-    }
+    ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, walk_.ray, walk_.kind); }
 
-    const FieldRegion* region_at(Vec3f p, bool in_volume) const {
-        return request_.field ? request_.field->find(p, in_volume) : nullptr;
+    const FieldRegion* region_at(Vec3f p, bool in_volume) {
+        if (!request_.field || !request_.use.any())
+            return nullptr;
+        ++ws_.counters.field_queries;
+        return request_.field->find(p, in_volume);
     }
     DirectionGuide guide_at(const FieldRegion* region, Vec3f p) const {
-        if (!region || !settings_.guide_directions)
+        if (!region || !request_.use.directions)
             return {};
         return {*region, p, region->guided_share};
     }
@@ -228,7 +230,8 @@ class Path {
     }
 
     /// Goes on from a point in a volume.
-    bool leave_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide, const FieldRegion* region) {
+    bool leave_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide,
+                      const FieldRegion* region) {
         const Vec3f wo = -walk_.ray.d;
         const Vec2f u = sampler_.next2();
         Vec3f wi;
@@ -262,8 +265,8 @@ class Path {
             record_surface(scene_, point, out_, recorded_);
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
-        const bool exhausted = walk_.bounces > settings_.max_bounces ||
-                               walk_.surface_bounces > settings_.surface_bounces;
+        const bool exhausted =
+            walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
         const FieldRegion* region = bsdf.has_smooth() && !exhausted ? region_at(point.p, false) : nullptr;
         const DirectionGuide guide = guide_at(region, point.p);
         if (!exhausted && bsdf.has_smooth())
@@ -382,7 +385,7 @@ class Path {
     /// How many branches leave a vertex: 1 where nothing is known of what they bring, and then plain roulette
     /// may still end the path.
     int roulette(const FieldRegion* region) {
-        const auto expected = expected_branches(settings_, request_, region, mean(walk_.beta));
+        const auto expected = expected_branches(request_, region, mean(walk_.beta));
         walk_.weighed = expected.has_value();
         if (!expected)
             return 1;
@@ -407,7 +410,7 @@ class Path {
 
     /// Starts the next segment, unless Russian roulette ends the path.
     bool continue_from(const Departed& from, const FieldRegion* region) {
-        if (request_.field)
+        if (request_.field && (request_.teaches || request_.use.segments))
             open_segment(from, region);
         else
             record_.leave();
@@ -428,8 +431,7 @@ class Path {
 
     void open_segment(const Departed& from, const FieldRegion* region) {
         std::optional<VspGuide> guide;
-        if (kMedia && region && settings_.vsp_secondary &&
-            settings_.distance_sampling == Settings::DistanceSampling::vspg)
+        if (kMedia && region && request_.use.segments)
             guide = region->vsp(from.wi);
         OpenSegment segment{SegmentGuiding(settings_, guide, mean(walk_.beta))};
         segment.vertex.p = from.vertex;

@@ -51,7 +51,8 @@ class PathRecord {
         const Rgb decided = light - camera.before - camera.undecided;
         record = camera.guiding.finish(decided, camera.gathered, ws_.counters);
         target = camera.guiding.target();
-        return record.cost;
+        constexpr float kPath = 15;  // what every path costs, however short
+        return record.cost + kPath;
     }
 
   private:

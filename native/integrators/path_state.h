@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a path carries along. It is a tree where it splits: each branch is a Walk of its own; the segments that
-// a branch has opened stand on one stack until all that comes of them is known.
+// What a path carries along. It is a tree where it splits: each branch is a Walk of its own; the segments
+// that a branch has opened stand on one stack until all that comes of them is known.
 #pragma once
 
 #include "base/field_sample.h"
@@ -16,7 +16,7 @@ struct Walk {
     Rgb beta{1};
     int bounces = 0, surface_bounces = 0, volume_bounces = 0;
     enum class First { none, surface, volume } first = First::none;  ///< event of the path
-    LampsOnTheWay way;                                                ///< from the last vertex
+    LampsOnTheWay way;                                               ///< from the last vertex
     float previous_pdf = 0;
     bool previous_specular = true;  ///< the camera: nothing else could have found what it sees
     bool lit = false;               ///< direct light was taken where the path scatters

@@ -13,10 +13,10 @@
 namespace nephele {
 
 /// Expected number of branches; nothing where too little is known. beta: mean throughput at the vertex.
-inline std::optional<float> expected_branches(const Settings& settings, const SampleRequest& request,
-                                              const FieldRegion* region, float beta) {
-    constexpr float kFewest = 0.05f, kMost = 8;
-    if (!settings.guided_roulette || !region || !(request.worth > 0))
+inline std::optional<float> expected_branches(const SampleRequest& request, const FieldRegion* region,
+                                              float beta) {
+    constexpr float kFewest = 0.25f, kMost = 4;
+    if (!request.use.roulette || !region || !(request.worth > 0))
         return std::nullopt;
     const float worth = beta * region->worth;
     if (!(worth > 0))

@@ -22,15 +22,30 @@ class SegmentGuiding {
     /// Whether the segment is guided at all.
     bool active() const { return guide_.has_value(); }
     bool resamples() const { return settings_->distance_sampling == Settings::DistanceSampling::vspg; }
+    /// Whether to walk this segment to its end and resample, where that is a matter of what pays.
+    bool walks(Rng& rng) const {
+        return settings_->vsp_control == Settings::VspControl::exact || guide_->walk_share >= 1 ||
+               rng.next() < guide_->walk_share;
+    }
 
     /// Walks ws.segment. beta: throughput at its start.
-    Stream walk(const Scene& scene, Rgb beta, PathSampler& sampler, Workspace& ws) const {
+    Stream walk(const Scene& scene, Rgb beta, bool weigh_lights, PathSampler& sampler, Workspace& ws) {
+        const std::uint64_t lookups = ws.counters.density_lookups;
         std::optional<LightEstimate> lights;
-        if (settings_->vsp_product)
+        if (settings_->vsp_product && weigh_lights)
             lights = light_estimate(scene.lights(), ws.segment, sampler.rng());
-        StreamSampler stream(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
+        StreamSampler sample(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
                              sampler.rng(), ws.counters);
-        return stream.run(beta);
+        const Stream stream = sample.run(beta);
+        // By a light estimate's weights nothing can be told of what delta tracking would have met.
+        record_.walked = !lights;
+        const float per_beta = 1 / mean(beta);
+        const float v = stream.weights.volume * per_beta, s = stream.weights.surface * per_beta;
+        record_.volume_square = v * v;
+        record_.surface_square = s * s;
+        record_.both = v * s;
+        record_.extra_work = static_cast<float>(ws.counters.density_lookups - lookups) - stream.plain_lookups;
+        return stream;
     }
 
     /// Probability of scattering at the stream's candidate.
@@ -63,8 +78,9 @@ class SegmentGuiding {
     /// Samples the segment by NDS or NDS+; updates beta.
     Flight normalized_flight(Rgb& beta, float distance, PathSampler& sampler, Workspace& ws) {
         const float before = mean(beta);
-        return noted(nds_flight(ws.segment, ws.tracking, *settings_, *guide_, beta, sampler.rng(), ws.counters),
-                     before, beta, distance);
+        return noted(
+            nds_flight(ws.segment, ws.tracking, *settings_, *guide_, beta, sampler.rng(), ws.counters),
+            before, beta, distance);
     }
 
     /// Samples the segment as paths do without guiding; updates beta.
@@ -128,11 +144,12 @@ class SegmentGuiding {
         record_.distance = distance;
     }
 
-    /// Work so far, in density lookups; a ray costs about as much as kRay of them.
+    /// Work so far, in density lookups; a ray costs about as much as kRay of them, a guided vertex as kQuery.
     static float work(const Counters& counters) {
-        constexpr double kRay = 8;
+        constexpr double kRay = 10, kQuery = 4;
         return static_cast<float>(static_cast<double>(counters.density_lookups) +
-                                  kRay * static_cast<double>(counters.rays));
+                                  kRay * static_cast<double>(counters.rays) +
+                                  kQuery * static_cast<double>(counters.field_queries));
     }
 
     const Settings* settings_;

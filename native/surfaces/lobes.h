@@ -28,7 +28,8 @@ struct LobeSample {
     std::uint32_t kind = kDiffuseRay;
 };
 
-/// What every lobe offers. kind(wi): of the ray that it scatters along wi. A specular lobe (a discrete set of directions) has eval() = 0.
+/// What every lobe offers. kind(wi): of the ray that it scatters along wi. A specular lobe (a discrete set of
+/// directions) has eval() = 0.
 template <typename L>
 concept LobeLike = requires(const L lobe, Vec3f wo, Vec3f wi, float choice, Vec2f u) {
     { lobe.specular() } -> std::same_as<bool>;

@@ -163,9 +163,9 @@ TEST(Bsdf, GivenDirectionsAreTheSamplesTheyStandFor) {
 }
 
 TEST(Bsdf, NothingIsGivenWhereNothingScatters) {
-    const Bsdf mirror = make_bsdf(
-        &ConstantProgram().add(ClosureKind::glossy, {s(0.8f), s(0), kNoNormal}).program,
-        point_seen_from(at_angle(30)), kNoTextures);
+    const Bsdf mirror =
+        make_bsdf(&ConstantProgram().add(ClosureKind::glossy, {s(0.8f), s(0), kNoNormal}).program,
+                  point_seen_from(at_angle(30)), kNoTextures);
     EXPECT_FALSE(mirror.at(at_angle(30), at_angle(30, 180), 0.5f).has_value());
     const Bsdf diffuse = make_bsdf(nullptr, point_seen_from(at_angle(30)), kNoTextures);
     EXPECT_FALSE(diffuse.at(at_angle(30), -at_angle(30), 0.5f).has_value());
