@@ -150,8 +150,16 @@ class FrameRender:
         done, wanted = native["samples_done"], self.scene.settings["samples"]
         if native["nonfinite_samples"]:
             self.reporter.say(f"warning: {native['nonfinite_samples']} samples were not finite and left out")
-        field = native["guiding_field"]
-        if not field["trains"]:
-            self.reporter.say(f"no guiding field: {field['reason']}")
+        self.reporter.say(field_line(native["guiding_field"]))
         limit = f" of {wanted} (time limit; --resume continues)" if done < wanted else ""
         self.reporter.say(f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s")
+
+
+def field_line(field):
+    """Returns what the guiding field was good for, in a line. field: of Renderer.statistics()."""
+    if not field["trains"]:
+        return f"guiding field: none ({field['reason']})"
+    size = f"{field['regions']} regions, {field['bytes'] / 2**20:.1f} MiB"
+    if field["uses"] is None:
+        return f"guiding field: {size}, its uses still on trial"
+    return f"guiding field: {size}, used for {', '.join(field['uses']) or 'nothing: it did not pay'}"

@@ -8,6 +8,7 @@ namespace nephele {
 namespace {
 
 constexpr const char* kState = "learning_state";
+constexpr const char* kChoice = "learning_choice";
 constexpr const char* kTrial = "learning_trial";
 constexpr const char* kLessons = "field_lessons";
 
@@ -15,9 +16,10 @@ constexpr const char* kLessons = "field_lessons";
 constexpr double kMostLessons = 1 << 17;
 constexpr double kLessonSamples = 8;  // of each pixel between two updates
 constexpr double kUsualVertices = 8;  // of a path, before any was seen
-/// Samples per pixel between which the techniques are tried: the field has to know something by then, and
-/// the image's estimate too.
+/// Samples per pixel from which on the techniques are judged: the field has to know something by then, and
+/// the image's estimate too. They are chosen at 16, or as soon as every set had so many paths.
 constexpr int kTrialBegins = 4, kTrialEnds = 16;
+constexpr std::uint64_t kTrialPaths = 20000;
 
 bool is_power_of_two(int n) {
     return n > 0 && (n & (n - 1)) == 0;
@@ -112,7 +114,7 @@ bool Learning::update(int samples) {
         guides_->update();
     if (image_ && !retired())
         image_->update();
-    if (field_ && samples >= kTrialEnds && !choice_.decided())
+    if (field_ && !choice_.decided() && (samples >= kTrialEnds || choice_.paths(trial_) >= kTrialPaths))
         choice_.decide(trial_);
     if (field_ && !retired()) {
         field_->update(std::move(lessons_));
@@ -185,8 +187,10 @@ std::map<std::string, std::vector<double>> Learning::knowledge() const {
         guides_->save(saved);
     if (image_)
         image_->save(saved);
-    if (field_)
+    if (field_) {
         field_->save(saved);
+        saved[kChoice] = {static_cast<double>(choice_.chosen())};
+    }
     return saved;
 }
 
@@ -196,6 +200,10 @@ std::string Learning::inherit(const std::map<std::string, std::vector<double>>& 
     if (field_ && knowledge.contains(GuidingField::kSavedAs)) {
         field_->restore(knowledge);
         taken.push_back("the field");
+        // What paid there need not be allowed here.
+        if (!choice_.decided() && knowledge.contains(kChoice) && knowledge.at(kChoice).size() == 1 &&
+            choice_.allows(knowledge.at(kChoice)[0]))
+            choice_.restore(static_cast<int>(knowledge.at(kChoice)[0]));
     }
     if (guides_ && guides_->inherit(knowledge, kWorthSamples))
         taken.push_back("the camera rays' guides");

@@ -71,6 +71,8 @@ class Render {
     /// Starts from what another learned; see Learning.
     std::string inherit(const std::map<std::string, std::vector<double>>& knowledge);
     const GuidingField* field() const { return learning_.field(); }
+    /// What the field is used for, once that is decided; not while it runs.
+    std::optional<Techniques> techniques() const { return learning_.chosen(); }
 
   private:
     void run();

@@ -66,6 +66,17 @@ nb::dict told(const FieldDecision& decision) {
     return out;
 }
 
+nb::list uses(const Techniques& techniques) {
+    nb::list out;
+    if (techniques.directions)
+        out.append("directions");
+    if (techniques.segments)
+        out.append("segments");
+    if (techniques.roulette)
+        out.append("roulette");
+    return out;
+}
+
 class Renderer {
   public:
     explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
@@ -129,6 +140,9 @@ class Renderer {
         nb::dict field = told(decide_field(*scene_, settings_));
         field["regions"] = render_->field() ? render_->field()->regions() : 0;
         field["bytes"] = render_->field() ? render_->field()->memory() : 0;
+        field["uses"] = nb::none();
+        if (const auto chosen = render_->techniques())
+            field["uses"] = uses(*chosen);
         out["guiding_field"] = field;
         nb::list grids;
         for (const GridUse& g : scene_->grids()) {

@@ -98,6 +98,7 @@ void FieldRegion::keep(float share) {
     }
     for (float& m : moments_)
         m *= share;
+    light_ *= share;
     square_ *= share;
     cost_ *= share;
     count_ *= share;
@@ -132,13 +133,17 @@ void FieldRegion::learn_share(std::span<const FieldSample> samples) {
 }
 
 void FieldRegion::learn_worth(std::span<const FieldSample> samples) {
-    for (const float square : bounded_squares(samples))
+    for (const float square : bounded_squares(samples)) {
         square_ += square;
+        light_ += std::sqrt(square);
+    }
     for (const FieldSample& s : samples)
         cost_ += s.cost;
     count_ += static_cast<float>(samples.size());
     constexpr float kEnough = 32;
-    worth = count_ >= kEnough && cost_ > 0 ? std::sqrt(square_ / cost_) : 0;
+    const bool known = count_ >= kEnough && cost_ > 0;
+    worth = known ? std::sqrt(square_ / cost_) : 0;
+    split_worth = known ? std::sqrt(std::max(square_ - light_ * light_ / count_, 0.0f) / cost_) : 0;
 }
 
 void FieldRegion::learn_segments(const Settings& settings, std::span<const FieldSample> samples) {
@@ -184,7 +189,8 @@ bool FieldRegion::sound() const {
     const bool empty = total == 0 && samples() == 0;
     return finite && (empty || std::abs(total - 1) < 1e-3f) && between(mixture.weight, 0, 1.001f) &&
            between(mixture.kappa, 0, kLargestKappa) && between(mixture.peak, 0, kLargestKappa) &&
-           between(mixture.inverse_distance, 0, 1e30f) && guided_share >= 0 && guided_share < 1 && worth >= 0;
+           between(mixture.inverse_distance, 0, 1e30f) && guided_share >= 0 && guided_share < 1 &&
+           worth >= 0 && split_worth >= 0;
 }
 
 void FieldRegion::become_half(Vec3f new_pivot) {

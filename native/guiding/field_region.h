@@ -19,8 +19,10 @@ class FieldRegion {
     VmfMixture mixture;      ///< of incident radiance, as seen from the pivot
     Vec3f pivot;             ///< world space
     float guided_share = 0;  ///< of the directions that the mixture is worth drawing
-    float worth = 0;         ///< root of (second moment of what a branch brings, per unit of throughput /
-                             ///< its work); 0: unknown
+    // Roots of (what a branch that goes on from here brings per unit of throughput / its work): of the second
+    // moment, which a branch that is ended leaves to chance, and of the variance, which another branch
+    // averages.
+    float worth = 0, split_worth = 0;  ///< 0: unknown
 
     /// How segments that leave in direction wi should be sampled; what is not known of it is as in delta
     /// tracking.
@@ -50,8 +52,8 @@ class FieldRegion {
     MixtureFit fit_;
     std::array<Segments, kMostLobes> segments_{};
     std::array<VspGuide, kMostLobes> guides_{};
-    std::array<float, kGuidedShares.size()> moments_{};  // of a vertex's contribution, for each share
-    float square_ = 0, cost_ = 0, count_ = 0;            // of what branches bring
+    std::array<float, kGuidedShares.size()> moments_{};    // of a vertex's contribution, for each share
+    float light_ = 0, square_ = 0, cost_ = 0, count_ = 0;  // of what branches bring
 };
 
 }  // namespace nephele

@@ -20,10 +20,13 @@ void add_means(RayMeans& means, const VspRecord& record, float share) {
     constexpr float kLargest = 1e6f;
     means.samples += share;
     means.transmittance += share * record.transmittance;
-    means.majorant_depth += share * std::min(record.majorant_depth, kLargest);
     means.volume_weight += share * record.volume_weight;
     means.surface_weight += share * record.surface_weight;
     if (!record.walked)
+        return;
+    means.depths += share;
+    means.majorant_depth += share * std::min(record.majorant_depth, kLargest);
+    if (record.weighed)
         return;
     means.walks += share;
     means.volume_square += share * std::min(record.volume_square, kLargest);
@@ -37,7 +40,7 @@ namespace {
 constexpr float RayMeans::*kMeans[] = {
     &RayMeans::samples,        &RayMeans::transmittance, &RayMeans::majorant_depth, &RayMeans::volume_weight,
     &RayMeans::surface_weight, &RayMeans::walks,         &RayMeans::volume_square,  &RayMeans::surface_square,
-    &RayMeans::both,           &RayMeans::extra_work};
+    &RayMeans::both,           &RayMeans::extra_work,    &RayMeans::depths};
 
 }  // namespace
 
@@ -87,7 +90,8 @@ VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Poo
     if (!(near.samples > 0))
         return guide;
     guide.transmittance = near.transmittance / near.samples;
-    guide.majorant_depth = near.majorant_depth / near.samples;
+    if (near.depths > 0)
+        guide.majorant_depth = near.majorant_depth / near.depths;
     guide.surface_noise = surface.noise;
     guide.walk_share = walk_share(near, volume, surface, trial);
     constexpr float kLargest = 1e30f;  // per tiny weights

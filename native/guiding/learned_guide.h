@@ -13,7 +13,8 @@ namespace nephele {
 struct RayMeans {
     float samples = 0, transmittance = 0, majorant_depth = 0;
     float volume_weight = 0, surface_weight = 0;
-    // Of those that were walked to their ends before the decision, see VspRecord:
+    float depths = 0;  ///< samples that know the majorants' depth
+    // Of those that were walked to their ends before the decision, by weights as they are; see VspRecord:
     float walks = 0, volume_square = 0, surface_square = 0, both = 0, extra_work = 0;
 };
 

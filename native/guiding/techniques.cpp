@@ -49,12 +49,19 @@ int TechniqueChoice::draw(float u) const {
     return std::min(static_cast<int>(u * static_cast<float>(n)), n - 1);
 }
 
+std::uint64_t TechniqueChoice::paths(const Trial& trial) const {
+    std::uint64_t fewest = trial[0].paths;
+    for (std::size_t i = 1; i < sets_.size(); ++i)
+        fewest = std::min(fewest, trial[i].paths);
+    return fewest;
+}
+
 void TechniqueChoice::decide(const Trial& trial) {
+    if (paths(trial) == 0)
+        return;
     double least = 0;
     for (std::size_t i = 0; i < sets_.size(); ++i) {
         const TrialSums& sums = trial[i];
-        if (sums.paths == 0)
-            return;
         const auto n = static_cast<double>(sums.paths);
         const double cost = (static_cast<double>(sums.error) / n) * (static_cast<double>(sums.work) / n) *
                             (sets_[i].any() ? 1 : kWorthIts);

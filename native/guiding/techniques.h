@@ -46,11 +46,14 @@ class TechniqueChoice {
     const Techniques& set(int number) const { return sets_[static_cast<std::size_t>(number)]; }
     bool decided() const { return chosen_ >= 0; }
 
+    /// The paths of the set that had the fewest.
+    std::uint64_t paths(const Trial& trial) const;
     /// Chooses by what the sets have shown.
     void decide(const Trial& trial);
 
     /// For checkpoints: the number of the set chosen, -1 while there is none.
     int chosen() const { return chosen_; }
+    bool allows(double number) const { return number >= -1 && number < static_cast<double>(sets_.size()); }
     void restore(int chosen);
 
   private:

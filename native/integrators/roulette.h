@@ -3,7 +3,7 @@
 // relative error falls fastest for the work (Rath, Grittmann, Herholz, Weier, Slusallek, SIGGRAPH 2022,
 // "EARS: Efficiency-Aware Russian Roulette and Splitting", equation 12): a branch is worth its throughput
 // times the root of (second moment of what it brings / its work), relative to the root of (variance / work)
-// of the whole pixel.
+// of the whole pixel; where it splits, the variance takes the second moment's place.
 #pragma once
 
 #include <optional>
@@ -18,10 +18,11 @@ inline std::optional<float> expected_branches(const SampleRequest& request, cons
     constexpr float kFewest = 0.25f, kMost = 4;
     if (!request.use.roulette || !region || !(request.worth > 0))
         return std::nullopt;
-    const float worth = beta * region->worth;
-    if (!(worth > 0))
+    if (!(region->worth > 0))
         return std::nullopt;
-    return std::clamp(worth / request.worth, kFewest, kMost);
+    const float ended = beta * region->worth / request.worth;
+    const float split = beta * region->split_worth / request.worth;
+    return std::clamp(ended, kFewest, std::clamp(split, 1.0f, kMost));
 }
 
 }  // namespace nephele

@@ -37,8 +37,8 @@ class SegmentGuiding {
         StreamSampler sample(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
                              sampler.rng(), ws.counters);
         const Stream stream = sample.run(beta);
-        // By a light estimate's weights nothing can be told of what delta tracking would have met.
-        record_.walked = !lights;
+        record_.walked = true;
+        record_.weighed = lights.has_value();
         const float per_beta = 1 / mean(beta);
         const float v = stream.weights.volume * per_beta, s = stream.weights.surface * per_beta;
         record_.volume_square = v * v;
@@ -104,8 +104,12 @@ class SegmentGuiding {
     }
     /// Probability with which the segment was to scatter; 0 where nothing asked for one.
     float target() const {
+        if (!record_.known || !guide_)
+            return 0;
+        if (resamples() && !record_.walked)
+            return 1 - guide_->transmittance;
         const bool conditional = settings_->vsp_control == Settings::VspControl::conditional && resamples();
-        return conditional ? 1 - passing_ : record_.known && guide_ ? guide_->target : 0;
+        return conditional ? 1 - passing_ : guide_->target;
     }
 
   private:
