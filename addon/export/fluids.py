@@ -6,9 +6,6 @@ at i voxels, and its centre is at i + 1/2 voxels from the corner of the domain's
 in cells per unit of Mantaflow's time, 0.1 of which pass in 1/25 s.
 """
 
-import os
-import tempfile
-import weakref
 from pathlib import Path
 
 import bpy
@@ -19,6 +16,7 @@ from .context import ExportError
 from .hash import random_number
 from .motion import frames_per_second, is_blurred
 from .space import matrix4, scaling, translation
+from .temporary import temporary_vdb
 from .volume_grids import domain_grids
 
 MANTA_TIME_PER_SECOND = 2.5
@@ -62,7 +60,7 @@ def export_fluid(context, instance, settings, material, visibility):
         str(path.resolve()) if noise is None else _with_noise(item, path, noise, voxel, settings.noise_scale)
     )
     size = np.ptp(np.array(item.bound_box), axis=0) * _scale(item)
-    volume = description.Volume(
+    return description.Volume(
         name=item.name,
         path=file,
         world_from_object=matrix4(instance.matrix_world) @ object_from_cache(item, voxel),
@@ -77,9 +75,6 @@ def export_fluid(context, instance, settings, material, visibility):
         color=tuple(item.color),
         pass_index=item.pass_index,
     )
-    if noise is not None:  # the file lives as long as the description that names it
-        weakref.finalize(volume, Path(file).unlink, missing_ok=True)
-    return volume
 
 
 def _cache_file(settings, kind, frame):
@@ -118,8 +113,7 @@ def _with_noise(item, base, noise, voxel, noise_scale):
     """Returns the path of a new temporary VDB file: the grids of file `noise` under the names that shaders
     know, and those of file `base` (velocity, temperature, ...) that the noise does not refine."""
     openvdb = vdb_info.module()
-    handle, path = tempfile.mkstemp(prefix="nephele_", suffix=".vdb", dir=bpy.app.tempdir or None)
-    os.close(handle)
+    path = temporary_vdb()
     try:
         fine, _ = openvdb.readAll(str(noise))
         coarse, _ = openvdb.readAll(str(base))
@@ -131,7 +125,6 @@ def _with_noise(item, base, noise, voxel, noise_scale):
         names = {grid.name for grid in fine}
         openvdb.write(path, grids=fine + [grid for grid in coarse if grid.name not in names])
     except (OSError, RuntimeError, LookupError, TypeError) as error:
-        Path(path).unlink()
         raise ExportError(
             f"fluid domain '{item.name}': {base} and {noise} cannot be brought together "
             f"({' '.join(str(error).split())}); bake the fluid again, or disable its noise"
