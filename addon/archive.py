@@ -2,6 +2,7 @@
 """The files Nephele keeps for itself: a JSON header and numpy arrays in one .npz, never pickled."""
 
 import json
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -53,6 +54,8 @@ def read(path, kind, version):
         zipfile.BadZipFile,
         zlib.error,
         NotImplementedError,
+        SyntaxError,  # these two: numpy reads an array's header as Python
+        tokenize.TokenError,
     ) as error:
         raise InputError(f"{path}: not a {kind}, or damaged ({error})") from error
     if found[0] != kind:

@@ -137,7 +137,7 @@ class Volume:
     clipping: voxels of smaller value count as empty. precision: "full", "half" or "file" (as stored).
     velocity_grids: names of one vector grid or three scalar ones, () for no motion blur; their values times
     velocity_scale are metres of the file's space per frame. generated_min, generated_size: box of generated
-    coordinates, file's space. random, color, pass_index: see Instance."""
+    coordinates, file's space. random, color, pass_index, motion: see Instance."""
 
     name: str
     path: str
@@ -154,6 +154,7 @@ class Volume:
     random: float = 0.0
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
+    motion: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,10 @@
 
 A cache file has world-sized voxels (the object's own scale is in them) without place: cell i's value stands
 at i voxels, and its centre is at i + 1/2 voxels from the corner of the domain's bounding box. Velocities are
-in cells per unit of Mantaflow's time, 0.1 of which pass in 1/25 s.
+in cells per unit of Mantaflow's time, 0.1 of which pass in 1/25 s. Caches of adaptive domains hold a part
+of the cells, which changes from frame to frame (fluid_cells.py).
 """
 
-import os
-import tempfile
-import weakref
 from pathlib import Path
 
 import bpy
@@ -16,9 +14,11 @@ import numpy as np
 
 from .. import description, vdb_info
 from .context import ExportError
+from .fluid_cells import adapted_cells, whole_domain
 from .hash import random_number
 from .motion import frames_per_second, is_blurred
 from .space import matrix4, scaling, translation
+from .temporary import temporary_vdb
 from .volume_grids import domain_grids
 
 MANTA_TIME_PER_SECOND = 2.5
@@ -37,9 +37,10 @@ def fluid_domain(item):
 
 def export_fluid(context, instance, settings, material, visibility):
     """Returns the description.Volume of a gas domain at this frame; None, with a warning, where its cache has
-    no file. Raises ExportError where its high-resolution grids cannot be brought together with the others."""
+    no file. Raises ExportError where its high-resolution grids cannot be brought together with the others, or
+    it is not known which cells an adaptive domain's cache holds."""
     item, frame = instance.object, _cache_frame(settings, context.scene.frame_current)
-    path = _cache_file(settings, "data", frame)
+    path = _cache_file(settings, "data", frame, "vdb")
     if not path.is_file():
         context.warn(
             f"fluid domain '{item.name}': no cache of frame {frame} ('{path}'); it is left out. Bake "
@@ -47,11 +48,11 @@ def export_fluid(context, instance, settings, material, visibility):
         )
         return None
     if settings.use_adaptive_domain:
-        context.warn(
-            f"fluid domain '{item.name}': adaptive domains are not supported; the gas may be out of place"
-        )
-    voxel = voxel_size(item, settings.resolution_max)
-    noise = _cache_file(settings, "noise", frame) if settings.use_noise else None
+        cells = adapted_cells(_cache_file(settings, "config", frame, "uni"), item.name)
+    else:
+        cells = whole_domain(item, settings.resolution_max)
+    voxel, file_voxel = cells.voxel(_scale(item)), cells.file_voxel(_scale(item))
+    noise = _cache_file(settings, "noise", frame, "vdb") if settings.use_noise else None
     if noise is not None and not noise.is_file():
         context.warn(
             f"fluid domain '{item.name}': no noise cache of frame {frame} ('{noise}'); the base is used. "
@@ -59,32 +60,32 @@ def export_fluid(context, instance, settings, material, visibility):
         )
         noise = None
     file = (
-        str(path.resolve()) if noise is None else _with_noise(item, path, noise, voxel, settings.noise_scale)
+        str(path.resolve())
+        if noise is None
+        else _with_noise(item, path, noise, file_voxel, settings.noise_scale)
     )
-    size = np.ptp(np.array(item.bound_box), axis=0) * _scale(item)
-    volume = description.Volume(
+    size = cells.size * _scale(item) / voxel * file_voxel
+    return description.Volume(
         name=item.name,
         path=file,
-        world_from_object=matrix4(instance.matrix_world) @ object_from_cache(item, voxel),
+        world_from_object=matrix4(instance.matrix_world) @ object_from_cache(cells, _scale(item)),
         material=context.material_number(material, domain_grids(settings))[0],
         visibility=visibility,
         clipping=settings.clipping,
         velocity_grids=("velocity",) if is_blurred(context, instance) else (),
-        velocity_scale=_velocity_scale(settings, voxel, context.scene.render),
-        generated_min=(-voxel / 2,) * 3,
+        velocity_scale=_velocity_scale(settings, file_voxel, context.scene.render),
+        generated_min=tuple((-(cells.first + 0.5) * file_voxel).tolist()),
         generated_size=tuple(np.maximum(size, 1e-12).tolist()),
         random=random_number(instance),
         color=tuple(item.color),
         pass_index=item.pass_index,
     )
-    if noise is not None:  # the file lives as long as the description that names it
-        weakref.finalize(volume, Path(file).unlink, missing_ok=True)
-    return volume
 
 
-def _cache_file(settings, kind, frame):
-    """Returns the path of the cache's file of that kind ("data" or "noise")."""
-    return Path(bpy.path.abspath(settings.cache_directory), kind, f"fluid_{kind}_{frame:04d}.vdb")
+def _cache_file(settings, kind, frame, suffix):
+    """Returns the path of the cache's file of that kind ("data", "noise" or "config")."""
+    prefix = "" if kind == "config" else "fluid_"
+    return Path(bpy.path.abspath(settings.cache_directory), kind, f"{prefix}{kind}_{frame:04d}.{suffix}")
 
 
 def _cache_frame(settings, frame):
@@ -93,7 +94,7 @@ def _cache_frame(settings, frame):
 
 
 def _velocity_scale(settings, voxel, render):
-    """Returns metres per frame of one cell per unit of Mantaflow's time."""
+    """Returns voxels of the file's size, in m per frame, of one cell per unit of Mantaflow's time."""
     time_per_frame = MANTA_TIME_PER_SECOND * settings.time_scale / frames_per_second(render)
     return float(settings.velocity_scale * voxel * time_per_frame)
 
@@ -102,24 +103,18 @@ def _scale(item):
     return np.maximum(np.abs(np.array(item.scale)), 1e-12)
 
 
-def voxel_size(item, resolution_max):
-    """Returns the edge of the cache's voxels in the world, m."""
-    size = np.ptp(np.array(item.bound_box), axis=0)
-    return float(np.max(size * _scale(item)) / resolution_max)
-
-
-def object_from_cache(item, voxel):
-    """Returns (4, 4), from the cache file's space to the domain object's."""
-    low = np.array(item.bound_box).min(axis=0)
-    return translation(low) @ scaling(1 / _scale(item)) @ translation(np.full(3, voxel / 2))
+def object_from_cache(cells, scale):
+    """Returns (4, 4), from the cache file's space to the domain object's. scale: (3,) of the object."""
+    voxel = cells.voxel(scale)
+    in_cells = scaling(np.full(3, voxel / cells.file_voxel(scale)))
+    return translation(cells.low) @ scaling(1 / scale) @ translation((cells.first + 0.5) * voxel) @ in_cells
 
 
 def _with_noise(item, base, noise, voxel, noise_scale):
     """Returns the path of a new temporary VDB file: the grids of file `noise` under the names that shaders
     know, and those of file `base` (velocity, temperature, ...) that the noise does not refine."""
     openvdb = vdb_info.module()
-    handle, path = tempfile.mkstemp(prefix="nephele_", suffix=".vdb", dir=bpy.app.tempdir or None)
-    os.close(handle)
+    path = temporary_vdb()
     try:
         fine, _ = openvdb.readAll(str(noise))
         coarse, _ = openvdb.readAll(str(base))
@@ -131,7 +126,6 @@ def _with_noise(item, base, noise, voxel, noise_scale):
         names = {grid.name for grid in fine}
         openvdb.write(path, grids=fine + [grid for grid in coarse if grid.name not in names])
     except (OSError, RuntimeError, LookupError, TypeError) as error:
-        Path(path).unlink()
         raise ExportError(
             f"fluid domain '{item.name}': {base} and {noise} cannot be brought together "
             f"({' '.join(str(error).split())}); bake the fluid again, or disable its noise"

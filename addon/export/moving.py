@@ -34,7 +34,8 @@ def step_exponent(item):
 @dataclasses.dataclass
 class Track:
     """One object on its way. exponent: of its steps. kind: "instance", "volume" or "light"; number: place in
-    the list of such. record: the MeshRecord to read at every step, or None where the shape is kept."""
+    the list of such. record: the MeshRecord to read at every step, or None where the shape is kept.
+    object_from_data: from the space that the description places to the object's own."""
 
     kind: str
     number: int
@@ -42,6 +43,7 @@ class Track:
     exponent: int
     record: object = None
     mesh: int = -1
+    object_from_data: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(4))
     matrices: list = dataclasses.field(default_factory=list)
 
 
@@ -53,14 +55,17 @@ class Tracks:
         self._tracks = {}  # identity -> Track, None where several instances have the same
         self._shapes = {}  # mesh number -> lists of positions and normals by step, None where it cannot be
 
-    def add(self, kind, number, instance, record=None, mesh=-1):
-        """Takes note of an instance that the walk found. record, mesh: of a mesh and its number."""
+    def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None):
+        """Takes note of an instance that the walk found. record, mesh: of a mesh and its number.
+        world_from_data: where the description places something else than the object's own space."""
         if not is_blurred(self._context, instance):
             return
         item = instance.object
         track = Track(kind, number, item.name, step_exponent(item), mesh=mesh)
         if record is not None and _deforms(instance, self._context.scene):
             track.record = record
+        if world_from_data is not None:
+            track.object_from_data = np.linalg.pinv(matrix4(instance.matrix_world)) @ world_from_data
         key = identity(instance)
         self._tracks[key] = None if key in self._tracks else track
 
@@ -110,17 +115,19 @@ class Tracks:
             values.append(more)
 
     def _applied(self, scene, camera, steps):
-        instances, meshes = list(scene.instances), list(scene.meshes)
+        placed = {"instance": list(scene.instances), "volume": list(scene.volumes)}
+        meshes = list(scene.meshes)
         for track in filter(None, self._tracks.values()):
             moves = len(track.matrices) == steps and _differ(track.matrices)
-            if moves and track.kind != "instance":
+            if moves and track.kind == "light":
                 self._context.warn(
-                    f"{track.kind} '{track.name}': it moves while the shutter is open; it is shown as it "
-                    "stands at the frame"
+                    f"light '{track.name}': it moves while the shutter is open; it is shown as it stands at "
+                    "the frame"
                 )
             elif moves:
-                matrices = np.stack(track.matrices[:: _stride(track, steps)])
-                instances[track.number] = dataclasses.replace(instances[track.number], motion=matrices)
+                items = placed[track.kind]
+                matrices = np.stack(track.matrices[:: _stride(track, steps)]) @ track.object_from_data
+                items[track.number] = dataclasses.replace(items[track.number], motion=matrices)
         for number, shape in self._shapes.items():
             if shape is not None and _differ(shape[0]):
                 normals = None if any(n is None for n in shape[1]) else np.stack(shape[1])
@@ -129,7 +136,8 @@ class Tracks:
                 )
         return dataclasses.replace(
             scene,
-            instances=tuple(instances),
+            instances=tuple(placed["instance"]),
+            volumes=tuple(placed["volume"]),
             meshes=tuple(meshes),
             camera=camera.applied(scene.camera, steps),
             warnings=tuple(self._context.warnings),

@@ -69,13 +69,11 @@ class Objects:
             self.tracks.add("light", len(self.lights), instance)
             self.lights.append(export_light(self._context, instance, visibility))
         elif item.type == "VOLUME":
-            self.tracks.add("volume", len(self.volumes), instance)
             material = self._material(instance, source)
-            self._append_volume(export_volume(self._context, instance, source, material, visibility))
+            self._add_volume(instance, export_volume(self._context, instance, source, material, visibility))
         elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
-            self.tracks.add("volume", len(self.volumes), instance)
             material = self._material(instance, source)
-            self._append_volume(export_fluid(self._context, instance, domain, material, visibility))
+            self._add_volume(instance, export_fluid(self._context, instance, domain, material, visibility))
         elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
             self._add_mesh(instance, source, visibility)
         elif item.type in UNSUPPORTED:
@@ -91,8 +89,10 @@ class Objects:
         owner = instance.instance_object if instance.is_instance else instance.object
         return owner is not None and owner.original.as_pointer() in self._converted
 
-    def _append_volume(self, volume):
+    def _add_volume(self, instance, volume):
         if volume is not None:
+            placed = volume.world_from_object
+            self.tracks.add("volume", len(self.volumes), instance, world_from_data=placed)
             self.volumes.append(volume)
 
     def _add_mesh(self, instance, source, visibility):
@@ -108,7 +108,7 @@ class Objects:
             record.require(uvs, attributes)
             materials.append(index)
         item = instance.object
-        self.tracks.add("instance", len(self.instances), instance, record, number)
+        self.tracks.add("instance", len(self.instances), instance, record=record, mesh=number)
         self.instances.append(
             description.Instance(
                 name=item.name,

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume objects: VDB files placed in the world."""
 
-import os
-import tempfile
-import weakref
 from pathlib import Path
 
 import bpy
@@ -14,6 +11,7 @@ from .context import ExportError
 from .hash import random_number
 from .motion import is_blurred, velocity_grids, velocity_scale
 from .space import matrix4
+from .temporary import temporary_vdb
 from .volume_grids import volume_grids
 
 PRECISIONS = {"FULL": "full", "HALF": "half", "VARIABLE": "file"}
@@ -37,14 +35,12 @@ def export_volume(context, instance, source, material, visibility):
         path = data.grids.frame_filepath or bpy.path.abspath(data.filepath)
         reason = data.grids.error_message or "it holds no grid"
         raise ExportError(f"volume '{name}': {path} cannot be read ({reason}); check its path and the frame")
-    temporary = changed or not data.filepath
-    path = (
-        _saved(name, data) if temporary else str(Path(bpy.path.abspath(data.grids.frame_filepath)).resolve())
-    )
+    saved = changed or not data.filepath
+    path = _saved(name, data) if saved else str(Path(bpy.path.abspath(data.grids.frame_filepath)).resolve())
     world_from_object = matrix4(instance.matrix_world)
     low, high = bounds(instance.object)
     velocity = velocity_grids(data) if is_blurred(context, instance) else ()
-    volume = description.Volume(
+    return description.Volume(
         name=name,
         path=path,
         world_from_object=world_from_object,
@@ -61,9 +57,6 @@ def export_volume(context, instance, source, material, visibility):
         color=tuple(instance.object.color),
         pass_index=instance.object.pass_index,
     )
-    if temporary:  # the file lives as long as the description that names it
-        weakref.finalize(volume, Path(path).unlink, missing_ok=True)
-    return volume
 
 
 def bounds(item):
@@ -75,10 +68,8 @@ def bounds(item):
 
 def _saved(name, data):
     """Returns the path of a new temporary VDB file with the volume's grids."""
-    handle, path = tempfile.mkstemp(prefix="nephele_", suffix=".vdb", dir=bpy.app.tempdir or None)
-    os.close(handle)
+    path = temporary_vdb()
     if not data.grids.save(filepath=path):
-        Path(path).unlink()
         raise ExportError(f"volume '{name}': its grids cannot be saved to {path}; check the space left there")
     return path
 

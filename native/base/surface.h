@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "math/vec.h"
+#include "math/transform.h"
 
 namespace nephele {
 
@@ -41,9 +41,13 @@ struct ShadingPoint {
     float outside_ior = 1;  ///< index of refraction around the surface: 1 but for nested dielectrics
     std::uint32_t ray_kind = kCameraRay;
     float time = 0;  ///< of the shutter, in [0, 1]
+    /// At `time`, to the world where the moving object whose volume this is stands as at the frame; null: it
+    /// stands still.
+    const Transform* rest_from_world = nullptr;
 
     /// Whether p is a point; the background's is a direction.
     bool is_place() const { return instance || volume; }
+    Vec3f at_rest(Vec3f p_world) const { return rest_from_world ? rest_from_world->point(p_world) : p_world; }
 };
 
 /// A direction drawn from a BSDF.

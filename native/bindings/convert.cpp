@@ -71,6 +71,8 @@ VolumeSource volume(nb::handle v, std::size_t material_count, const std::array<d
     out.name = text(v, "name");
     out.path = text(v, "path");
     placement(v, "world_from_object", origin, out.world_from_object);
+    if (const auto motion = motion_matrices(v, origin); !motion.empty())
+        out.motion = Motion(motion);
     out.material = value<std::uint32_t>(v, "material");
     if (out.material >= material_count)
         throw std::invalid_argument("its material does not exist");

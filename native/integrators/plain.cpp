@@ -24,17 +24,18 @@ struct Point {
     Rgb emission;
 };
 
-Point medium_at(const Medium& m, const Segment& segment, float t, Counters& counters) {
-    const Vec3f p = segment.ray.at(t);
+Point medium_at(const Interval& interval, const Segment& segment, float t, Counters& counters) {
+    const Medium& m = *interval.medium;
     if (m.program) {
         ++counters.density_lookups;
-        const VolumePoint at{p, -segment.ray.d, segment.ray_kind, segment.ray.time};
+        const VolumePoint at = segment.volume_point(interval, t);
         return {m.program->coefficients(at), m.program->emission(at)};
     }
     float density = 1;
     if (m.grid) {
         counters.density_lookups += 8;
-        density = m.grid->evaluate(m.filter, m.bounds->index_from_world.point(p));
+        density =
+            m.grid->evaluate(m.filter, m.bounds->index_from_world.point(segment.ray_of(interval).at(t)));
     }
     const float emission = m.density_scales_emission ? density : 1;
     return {{m.sigma_s * density, m.sigma_t * density, m.phase}, m.emission * emission};
@@ -71,11 +72,11 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
                 continue;
             if (step < kInfinity && i.medium->emits()) {
                 const float at = t + step * rng.next();
-                emitted += medium_at(*i.medium, segment, at, counters).emission[channel] * step;
+                emitted += medium_at(i, segment, at, counters).emission[channel] * step;
             }
             if (next >= change)
                 continue;
-            const MediumPoint m = medium_at(*i.medium, segment, next, counters).coefficients;
+            const MediumPoint m = medium_at(i, segment, next, counters).coefficients;
             sigma_t += m.sigma_t[channel];
             const float s = m.sigma_s[channel];
             sigma_s += s;

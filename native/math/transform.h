@@ -22,6 +22,15 @@ struct Transform {
     float determinant() const { return dot(row[0], cross(row[1], row[2])); }
 };
 
+/// First b, then a.
+inline Transform operator*(const Transform& a, const Transform& b) {
+    Transform out;
+    for (std::size_t r = 0; r < 3; ++r)
+        out.row[r] = b.transposed_vector(a.row[r]);
+    out.translation = a.point(b.translation);
+    return out;
+}
+
 /// Inverse of an affine map given as 16 row-major doubles; throws std::invalid_argument where it is singular.
 Transform inverse_of(const double (&matrix)[16]);
 Transform transform_of(const double (&matrix)[16]);

@@ -46,9 +46,10 @@ struct Region {
     std::string name;
     Kind kind = Kind::world;
     std::uint32_t media_begin = 0, media_end = 0;
-    std::uint32_t visibility = ~0u;  ///< kinds of rays it exists for
-    Transform index_from_world;      ///< box only
-    Vec3f box_min, box_max;          ///< box only, index space
+    std::uint32_t visibility = ~0u;   ///< kinds of rays it exists for
+    const Instance* mover = nullptr;  ///< what carries the region and all that varies in it; null: it stands
+    Transform index_from_world;       ///< box only, as at the frame
+    Vec3f box_min, box_max;           ///< box only, index space
 
     Region(std::string region_name, Kind region_kind, std::uint32_t visible_to)
         : name(std::move(region_name)), kind(region_kind), visibility(visible_to) {}
@@ -62,7 +63,7 @@ struct Region {
             box_max[a] = static_cast<float>(box.max[i]);
         }
     }
-    /// The ray's parameters inside the box, or nothing.
+    /// The ray's parameters inside the box, or nothing. ray: see RestRay where the region moves.
     std::optional<Vec2f> intersect_box(const Ray& ray) const {
         const Vec3f o = index_from_world.point(ray.o), d = index_from_world.vector(ray.d);
         float t0 = ray.t_min, t1 = ray.t_max;

@@ -63,6 +63,10 @@ ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase,
     extinction_ = without_unused(program, extinction);
     emission_ = without_unused(program, emission);
     place_.volume = &fields_;
+    if (place_.instance) {
+        for (const Transform& step : place_.instance->motion.steps())
+            world_from_rest_.push_back(step * place_.instance->object_from_world);
+    }
     const auto constant = [&](std::int16_t r) {
         return std::none_of(extinction_.code.begin(), extinction_.code.end(),
                             [&](const Instruction& i) { return i.dst == r; });
@@ -80,8 +84,9 @@ ProgramMedium::ProgramMedium(const Program& program, const PhaseFunction* phase,
 ShadingPoint ProgramMedium::shading_point(const VolumePoint& at) const {
     ShadingPoint point = place_;
     point.p = at.p;
-    point.object_p =
-        place_.instance ? place_.instance->object_from_world.point(at.p) : at.p + textures_.origin;
+    point.rest_from_world = at.rest_from_world;
+    point.object_p = place_.instance ? place_.instance->object_from_world.point(point.at_rest(at.p))
+                                     : at.p + textures_.origin;
     point.wo = point.ng = point.ns = at.wo;
     point.ray_kind = at.ray_kind;
     point.time = at.time;
@@ -106,14 +111,19 @@ Rgb ProgramMedium::emission(const VolumePoint& at) const {
 }
 
 MediumRange ProgramMedium::range(Vec3f lo, Vec3f hi) const {
-    const BoundsInput input{
-        lo, hi, place_, textures_, images_, [&](std::int32_t number, Vec3f from, Vec3f to) {
-            const std::array<Bounds, 3> b = fields_.range(number, from, to);
-            Interval3 out;
-            out.lo = {b[0].min, b[1].min, b[2].min};
-            out.hi = {b[0].max, b[1].max, b[2].max};
-            return out;
-        }};
+    const BoundsInput input{lo,
+                            hi,
+                            place_,
+                            textures_,
+                            images_,
+                            [&](std::int32_t number, Vec3f from, Vec3f to) {
+                                const std::array<Bounds, 3> b = fields_.range(number, from, to);
+                                Interval3 out;
+                                out.lo = {b[0].min, b[1].min, b[2].min};
+                                out.hi = {b[0].max, b[1].max, b[2].max};
+                                return out;
+                            },
+                            world_from_rest_};
     std::array<Interval3, kMaxRegisters> registers;
     const auto of = [&](int i) {
         return non_negative(registers[static_cast<std::size_t>(row_.inputs[static_cast<std::size_t>(i)])]);

@@ -22,7 +22,8 @@ struct MediumPoint {
 struct VolumePoint {
     Vec3f p, wo;
     std::uint32_t ray_kind = kCameraRay;
-    float time = 0;  ///< of the shutter, in [0, 1]
+    float time = 0;                              ///< of the shutter, in [0, 1]
+    const Transform* rest_from_world = nullptr;  ///< at `time`, see ShadingPoint
 };
 
 /// Extinction and emission of a medium over a box, largest and smallest of any channel.
@@ -43,7 +44,8 @@ class ProgramMedium {
     MediumPoint coefficients(const VolumePoint& at) const;
     /// W/(m^3 sr)
     Rgb emission(const VolumePoint& at) const;
-    /// Bounds over the points of a box of the world. Infinite where the program may return anything.
+    /// Bounds over the points of a box of the world, which moves as the instance does. Infinite where the
+    /// program may return anything.
     MediumRange range(Vec3f lo, Vec3f hi) const;
 
     /// Whether it can extinguish, or emit, at all.
@@ -63,6 +65,7 @@ class ProgramMedium {
     ShadingPoint place_;
     TextureContext textures_;
     std::span<const ImageBounds> images_;
+    std::vector<Transform> world_from_rest_;  ///< see BoundsInput; empty where nothing moves
     float scale_;
     bool interacts_ = true, emits_ = true;
 };

@@ -10,10 +10,23 @@
 
 namespace nephele {
 
-/// A medium on [t0, t1] of the ray, t1 possibly infinite.
+/// A ray at its time of the shutter as seen from an object that moves: in the space of the world where that
+/// object stands as at the frame itself, where its grids and bounds are. Parameters t are the ray's own.
+struct RestRay {
+    Ray ray;  ///< its direction is of unit length only where the object does not stretch
+    Transform rest_from_world;
+
+    RestRay(const Instance& instance, const Ray& world_ray);
+};
+
+inline constexpr std::uint32_t kStandsStill = ~0u;
+
+/// A medium on [t0, t1] of the ray, t1 possibly infinite. rest: number of the segment's rest ray in which a
+/// medium that varies is looked up, where its object moves.
 struct Interval {
     const Medium* medium = nullptr;
     float t0 = 0, t1 = 0;
+    std::uint32_t rest = kStandsStill;
 };
 
 /// A ray's crossing of a face of an instance of a mesh; sign +1 enters, -1 leaves. triangle, u, v: as in Hit.
@@ -30,9 +43,23 @@ struct Segment {
     Ray ray;
     std::uint32_t ray_kind = kCameraRay;
     std::vector<Interval> intervals;
+    std::vector<RestRay> rests;
     std::vector<Crossing> crossings;  ///< scratch
 
     bool empty() const { return intervals.empty(); }
+    /// Null where the interval's medium stands still.
+    const RestRay* rest_of(const Interval& interval) const {
+        return interval.rest == kStandsStill ? nullptr : &rests[interval.rest];
+    }
+    /// The ray in the space in which the interval's medium is looked up.
+    const Ray& ray_of(const Interval& interval) const {
+        return interval.rest == kStandsStill ? ray : rests[interval.rest].ray;
+    }
+    /// Where a program computes the interval's medium at t.
+    VolumePoint volume_point(const Interval& interval, float t) const {
+        const RestRay* rest = rest_of(interval);
+        return {ray.at(t), -ray.d, ray_kind, ray.time, rest ? &rest->rest_from_world : nullptr};
+    }
 };
 
 /// Calls visit(entry, exit) for each stretch of the line inside one mesh, whose crossings from ray.t_min to
@@ -59,7 +86,8 @@ void for_each_stay(const Crossing* begin, const Crossing* end, Visit&& visit) {
         visit(entry, nullptr);
 }
 
-/// Adds intervals of the media on [t0, t1], as far as the segment's ray reaches.
-void add_intervals(const Medium* media_begin, const Medium* media_end, float t0, float t1, Segment& segment);
+/// Adds intervals of the media on [t0, t1], as far as the segment's ray reaches. rest: see Interval.
+void add_intervals(const Medium* media_begin, const Medium* media_end, float t0, float t1, Segment& segment,
+                   std::uint32_t rest = kStandsStill);
 
 }  // namespace nephele

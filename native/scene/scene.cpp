@@ -76,7 +76,7 @@ void Scene::add_meshes() {
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
         drop_priority_of_emitter(source_.instances[i]);
-        Instance& instance = source_.instances[i];
+        const Instance& instance = source_.instances[i];
         const auto has = [&](auto test) {
             return std::any_of(instance.materials.begin(), instance.materials.end(), [&](std::int32_t m) {
                 return test(m < 0 ? nullptr : &source_.materials[static_cast<std::size_t>(m)]);
@@ -94,14 +94,6 @@ void Scene::add_meshes() {
             });
         const std::vector<VolumeClosure>& closures =
             source_.materials[static_cast<std::size_t>(*slot)].volume;
-        const bool varies = std::any_of(closures.begin(), closures.end(),
-                                        [](const VolumeClosure& c) { return c.program.has_value(); });
-        if (varies && instance.motion.moves()) {
-            warnings_.push_back("object '" + instance.name +
-                                "': it moves, and its volume shader varies from place to place; it is not "
-                                "blurred");
-            instance.motion = {};
-        }
         const std::size_t before = regions_.size();
         naming("object '" + instance.name + "'", [&] { add_mesh_region(instance, closures); });
         if (regions_.size() == before)

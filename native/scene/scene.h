@@ -44,6 +44,7 @@ struct Material {
 struct VolumeSource {
     std::string name, path;
     double world_from_object[16];
+    Motion motion;  ///< of world_from_object over the shutter
     std::uint32_t material = 0;
     float density_scale = 1;
     std::uint32_t visibility = ~0u;
@@ -96,7 +97,7 @@ struct SceneFeatures {
     std::vector<std::string> list(bool present) const;
 };
 
-/// A volume object as programs see it.
+/// A volume object as programs see it, and what carries its regions where it moves.
 struct VolumeObject {
     Instance instance;
     Mesh mesh;  ///< without triangles: the box of generated coordinates
@@ -177,7 +178,6 @@ class Scene {
     void add_world_region();
     // scene_volumes.cpp
     class VolumeBuilder;
-    const VolumeObject& volume_object(const VolumeSource& volume);
     void decide_features();
 
     SceneSource source_;
@@ -193,8 +193,9 @@ class Scene {
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;
-    std::vector<ImageBounds> image_bounds_;    ///< made when a volume's program asks first
-    std::deque<VolumeObject> volume_objects_;  ///< what programs of volumes ask of their object
+    std::vector<ImageBounds> image_bounds_;  ///< made when a volume's program asks first
+    std::deque<VolumeObject>
+        volume_objects_;  ///< one for each volume, in order; regions and media hold on to them
     SceneFeatures features_;
     std::vector<std::string> warnings_;
     std::vector<GridUse> grids_;

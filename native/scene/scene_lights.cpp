@@ -95,7 +95,7 @@ void Scene::decide_features() {
             f.transparent_surfaces |= traits_[static_cast<std::size_t>(m)].may_transmit_straight;
         }
     }
-    f.motion |= camera_->moves();  // and where a volume has velocities
+    f.motion |= camera_->moves();  // and where a volume moves or has velocities
     for (const Instance& instance : source_.instances)
         f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
     f.lamps = !lights_.lamps().empty();

@@ -27,7 +27,7 @@ bool mergeable(const Medium& a, const Medium& b) {
            a.density_scales_emission == b.density_scales_emission && a.phase == b.phase;
 }
 
-/// The box of an instance in the world, whatever the shape of its mesh while the shutter is open.
+/// The box of an instance as at the frame, whatever the shape of its mesh while the shutter is open.
 void include_instance(const Instance& instance, const Mesh& mesh, Vec3f& lo, Vec3f& hi) {
     for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
         for (std::size_t i = 0; i + 2 < positions->size(); i += 3) {
@@ -104,6 +104,7 @@ void Scene::add_region(Region region, std::vector<Medium> media) {
 
 void Scene::add_mesh_region(const Instance& instance, const std::vector<VolumeClosure>& closures) {
     const Mesh& mesh = source_.meshes[instance.mesh];
+    Region region(instance.name, Region::Kind::mesh, instance.visibility);
     std::vector<Medium> media;
     for (const VolumeClosure& c : closures) {  // a mesh has no grids: the factor is 1
         if (!c.program) {
@@ -117,8 +118,10 @@ void Scene::add_mesh_region(const Instance& instance, const std::vector<VolumeCl
         include_instance(instance, mesh, lo, hi);
         if (hi.x > lo.x && hi.y > lo.y && hi.z > lo.z)
             media.push_back(program_medium(c, 1, {}, place, frame_of_box(lo, hi)));
+        if (instance.motion.moves())
+            region.mover = &instance;
     }
-    add_region(Region(instance.name, Region::Kind::mesh, instance.visibility), std::move(media));
+    add_region(std::move(region), std::move(media));
 }
 
 /// Constant media of the world are endless. What varies is bounded over a box; beyond the camera's far end

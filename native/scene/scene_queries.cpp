@@ -79,22 +79,32 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     out.ray = ray;
     out.ray_kind = ray_kind;
     out.intervals.clear();
+    out.rests.clear();
     const auto media_of = [&](const Region& r) {
         return std::pair(&media_[r.media_begin], &media_[r.media_begin] + (r.media_end - r.media_begin));
+    };
+    const Instance* mover = nullptr;  // of the last rest ray: an object's regions follow each other
+    const auto rest_of = [&](const Region& r) {
+        if (!r.mover)
+            return kStandsStill;
+        if (r.mover != mover)
+            out.rests.emplace_back(*(mover = r.mover), ray);
+        return static_cast<std::uint32_t>(out.rests.size() - 1);
     };
     for (const Region& region : regions_) {
         if ((region.visibility & ray_kind) == 0 || region.kind == Region::Kind::mesh)
             continue;
         Vec2f span{ray.t_min, ray.t_max};
+        const std::uint32_t rest = rest_of(region);
         if (region.kind == Region::Kind::box) {
-            const auto inside = region.intersect_box(ray);
+            const auto inside = region.intersect_box(rest == kStandsStill ? ray : out.rests[rest].ray);
             if (!inside)
                 continue;
             span = *inside;
         }
         const auto [begin, end] = media_of(region);
         for (const Medium* m = begin; m != end; ++m)
-            out.intervals.push_back({m, span.x, span.y});
+            out.intervals.push_back({m, span.x, span.y, rest});
     }
     if (!features_.mesh_media)
         return;
@@ -106,11 +116,15 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     for (const Crossing* first = out.crossings.data(); first != end;) {
         const Crossing* const last =
             std::find_if(first, end, [&](const Crossing& c) { return c.instance != first->instance; });
-        const auto media = media_of(regions_[region_of_instance_[first->instance]]);
+        const Region& region = regions_[region_of_instance_[first->instance]];
+        const auto media = media_of(region);
+        const std::uint32_t rest = rest_of(region);
         const int priority = source_.instances[first->instance].dielectric_priority;
         for_each_stay(first, last, [&](const Crossing* entry, const Crossing* exit) {
             const float t0 = entry ? entry->t : ray.t_min, t1 = exit ? exit->t : kInfinity;
-            const auto add = [&](float a, float b) { add_intervals(media.first, media.second, a, b, out); };
+            const auto add = [&](float a, float b) {
+                add_intervals(media.first, media.second, a, b, out, rest);
+            };
             if (nested && priority > 0) {
                 nested->visit_outside_above(priority, t0, t1, add);
             } else {

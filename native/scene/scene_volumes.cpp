@@ -46,9 +46,10 @@ VolumeClosure as_program(const VolumeClosure& c) {
 /// Loads the grids of one volume object and makes its media.
 class Scene::VolumeBuilder {
   public:
-    VolumeBuilder(Scene& scene, const VolumeSource& volume, GridCacheScope& cache)
+    VolumeBuilder(Scene& scene, const VolumeSource& volume, const VolumeObject& object, GridCacheScope& cache)
         : scene_(scene),
           volume_(volume),
+          object_(object),
           cache_(cache),
           filter_(static_cast<Filter>(scene.settings_.interpolation)),
           closures_(scene.source_.materials.at(volume.material).volume) {}
@@ -57,6 +58,7 @@ class Scene::VolumeBuilder {
         load();
         if (first_.empty())
             return;
+        scene_.features_.motion |= object_.instance.motion.moves();
         const auto motion = make_motion();
         if (motion) {
             for (VolumeClosure& c : closures_)
@@ -195,6 +197,13 @@ class Scene::VolumeBuilder {
         return motion;
     }
 
+    Region make_region() const {
+        Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        if (object_.instance.motion.moves())
+            region.mover = &object_.instance;
+        return region;
+    }
+
     /// The media that are constant, or scaled by this grid as it is.
     void add_direct(const std::string& name, const PlacedGrid& grid, bool with_constants) {
         std::vector<Medium> media;
@@ -218,7 +227,7 @@ class Scene::VolumeBuilder {
             if (medium.grid)
                 medium.bounds = bounds;
         }
-        Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        Region region = make_region();
         region.set_box(grid.box, grid.field.index_from_world);
         scene_.add_region(std::move(region), std::move(media));
     }
@@ -245,10 +254,9 @@ class Scene::VolumeBuilder {
             used.push_back(&grids_.at(first_));
         const BoundsFrame frame = frame_of(used, motion.get());
         ShadingPoint place;
-        const VolumeObject& object = scene_.volume_object(volume_);
-        place.instance = &object.instance;
-        place.mesh = &object.mesh;
-        Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        place.instance = &object_.instance;
+        place.mesh = &object_.mesh;
+        Region region = make_region();
         region.set_box(frame.box, frame.index_from_world);
         scene_.add_region(std::move(region),
                           {scene_.program_medium(c, volume_.density_scale,
@@ -257,6 +265,7 @@ class Scene::VolumeBuilder {
 
     Scene& scene_;
     const VolumeSource& volume_;
+    const VolumeObject& object_;
     GridCacheScope& cache_;
     Filter filter_;
     std::vector<VolumeClosure> closures_;
@@ -264,23 +273,32 @@ class Scene::VolumeBuilder {
     std::string first_;  ///< the grid loaded first, or empty
 };
 
-const VolumeObject& Scene::volume_object(const VolumeSource& volume) {
+namespace {
+
+VolumeObject object_of(const VolumeSource& volume) {
     VolumeObject object;
     object.instance.name = volume.name;
     object.instance.world_from_object = transform_of(volume.world_from_object);
     object.instance.object_from_world = inverse_of(volume.world_from_object);
+    object.instance.motion = volume.motion;
     object.instance.random = volume.random;
     object.instance.color = volume.color;
     object.instance.pass_index = volume.pass_index;
     object.mesh.generated_min = volume.generated_min;
     object.mesh.generated_size = volume.generated_size;
-    return volume_objects_.emplace_back(std::move(object));
+    return object;
 }
+
+}  // namespace
 
 void Scene::add_volumes() {
     GridCacheScope cache;
-    for (const VolumeSource& volume : source_.volumes)
-        naming("volume '" + volume.name + "'", [&] { VolumeBuilder(*this, volume, cache).build(); });
+    for (const VolumeSource& volume : source_.volumes) {
+        naming("volume '" + volume.name + "'", [&] {
+            const VolumeObject& object = volume_objects_.emplace_back(object_of(volume));
+            VolumeBuilder(*this, volume, object, cache).build();
+        });
+    }
     cache.commit();
 }
 

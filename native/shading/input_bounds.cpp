@@ -8,18 +8,32 @@
 namespace nephele {
 namespace {
 
-Interval3 box_of(const BoundsInput& input) {
-    return {{input.lo.x, input.hi.x}, {input.lo.y, input.hi.y}, {input.lo.z, input.hi.z}};
-}
-
 Interval3 transformed(const Transform& t, const Interval3& p, bool vector) {
     const Vec3f move = vector ? Vec3f(0) : t.translation;
     return {row_bounds(t.row[0], move.x, p), row_bounds(t.row[1], move.y, p),
             row_bounds(t.row[2], move.z, p)};
 }
 
+/// The box as at the frame.
+Interval3 rest_box(const BoundsInput& input) {
+    return {{input.lo.x, input.hi.x}, {input.lo.y, input.hi.y}, {input.lo.z, input.hi.z}};
+}
+
+/// Where the box is at all times: between two placements every point goes straight.
+Interval3 box_of(const BoundsInput& input) {
+    const Interval3 rest = rest_box(input);
+    if (input.world_from_rest.empty())
+        return rest;
+    Interval3 out = transformed(input.world_from_rest.front(), rest, false);
+    for (const Transform& step : input.world_from_rest.subspan(1)) {
+        const Interval3 there = transformed(step, rest, false);
+        out = {join(out[0], there[0]), join(out[1], there[1]), join(out[2], there[2])};
+    }
+    return out;
+}
+
 Interval3 object_box(const BoundsInput& input) {
-    const Interval3 p = box_of(input);
+    const Interval3 p = rest_box(input);
     if (input.point.instance)
         return transformed(input.point.instance->object_from_world, p, false);
     return input.point.is_place() ? moved(p, input.context.origin) : p;

@@ -145,7 +145,7 @@ Vec3f grid(const Step& step, Vec3f a) {
     // Far from the world's origin a position is coarse; a grid that is read at the point itself is not.
     const Vec3f origin = step.context.origin;
     const Vec3f p = a == step.point.p + origin ? step.point.p : a - origin;
-    return step.point.volume->value(step.instruction.mode, p, step.point.time);
+    return step.point.volume->value(step.instruction.mode, step.point.at_rest(p), step.point.time);
 }
 
 Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {

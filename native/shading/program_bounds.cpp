@@ -66,13 +66,31 @@ Interval3 noise(const Step& step, const Interval3& a, const Interval3& b, const 
     return noise_bounds(p, c, d[0], (mode & 2) != 0, 3 - (mode >> 2 & 3), (mode & 1) != 0);
 }
 
+/// Whether an operand of an instruction is the point itself.
+bool is_position(const Program& program, const Instruction& instruction, std::int32_t operand) {
+    const Instruction* writer = &instruction;
+    while (writer != program.code.data()) {
+        --writer;
+        if (writer->dst == operand)
+            return writer->op == static_cast<std::int32_t>(Op::position);
+    }
+    return false;
+}
+
 Interval3 grid(const Step& step, const Interval3& p) {
-    if (!step.input.point.volume)
+    const BoundsInput& input = step.input;
+    if (!input.point.volume)
         return Interval3(Interval1(0));
+    const std::int32_t number = step.instruction.mode;
+    if (!input.world_from_rest.empty()) {  // grids move with the box; what else is read may be anywhere
+        return is_position(step.program, step.instruction, step.instruction.a)
+                   ? input.grid_range(number, input.lo, input.hi)
+                   : input.grid_range(number, Vec3f(-kInfinity), Vec3f(kInfinity));
+    }
     if (p.nan)
         return Interval3(everything());
-    const Interval3 here = moved(p, -step.input.context.origin);
-    return step.input.grid_range(step.instruction.mode, here.lo, here.hi);
+    const Interval3 here = moved(p, -input.context.origin);
+    return input.grid_range(number, here.lo, here.hi);
 }
 
 Interval3 texture_bounds(Op op, const Step& step, const Interval3& a, const Interval3& b, const Interval3& c,

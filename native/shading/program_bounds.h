@@ -41,15 +41,17 @@ struct ImageBounds {
 /// Where a program is to be bounded. What does not vary over the box is read from `point`: instance, mesh,
 /// volume, triangle and barycentric coordinates. Its position, normals and ray are not looked at: positions
 /// are those of the box (and object_p what the instance's object_from_world makes of them), directions are
-/// any.
+/// any. The box moves as the instance does: positions are those of all times then.
 struct BoundsInput {
-    Vec3f lo, hi;  ///< the box, world space; directions for the world
+    Vec3f lo, hi;  ///< the box, world space as at the frame; directions for the world
     const ShadingPoint& point;
     const TextureContext& context;
     std::span<const ImageBounds> images;  ///< one per context.images
     /// Bounds of what the volume's field `number` gives at any point of a box of the world, whose ends may be
     /// infinite. Asked where point.volume is not null only.
     std::function<Interval3(std::int32_t number, Vec3f lo, Vec3f hi)> grid_range;
+    /// Of an instance that moves: where what stands at the frame gets to. It is between these at all times.
+    std::span<const Transform> world_from_rest{};
 };
 
 /// Bounds of the registers that run() leaves at any point of the box. registers: room for

@@ -33,7 +33,6 @@ class MajorantTrack {
     MajorantTrack(const Interval& interval, const Segment& segment, bool global)
         : interval_(interval), segment_(&segment), piece_end_(interval.t0) {
         const Medium& m = *interval.medium;
-        const Ray& ray = segment.ray;
         unit_ = m.program ? 1 : m.sigma_t_max();
         if (!m.bounds) {
             majorant_ = minorant_ = 1;
@@ -42,6 +41,7 @@ class MajorantTrack {
             minorant_ = m.bounds->majorants.global_minorant();
         } else {
             const Transform& to_index = m.bounds->index_from_world;
+            const Ray& ray = segment.ray_of(interval);
             walk_.emplace(m.bounds->majorants, to_index.point(ray.o), to_index.vector(ray.d), interval.t0,
                           interval.t1);
         }
@@ -87,7 +87,8 @@ class MajorantTrack {
             return Rgb(1);
         ++counters.density_lookups;
         if (m.program)
-            return within_bounds(m.program->coefficients(world_point(t)).sigma_t, counters);
+            return within_bounds(m.program->coefficients(segment_->volume_point(interval_, t)).sigma_t,
+                                 counters);
         return within_bounds(Rgb(m.grid->stochastic(m.filter, index_point(t), rng.next3())), counters);
     }
     /// Coefficients and phase function at t of the current piece, like scale().
@@ -95,7 +96,7 @@ class MajorantTrack {
         const Medium& m = medium();
         if (m.program) {
             ++counters.density_lookups;
-            const MediumPoint point = m.program->coefficients(world_point(t));
+            const MediumPoint point = m.program->coefficients(segment_->volume_point(interval_, t));
             within_bounds(point.sigma_t, counters);
             return point;
         }
@@ -107,7 +108,7 @@ class MajorantTrack {
         const Medium& m = medium();
         if (m.program) {
             ++counters.density_lookups;
-            return m.program->emission(world_point(t));
+            return m.program->emission(segment_->volume_point(interval_, t));
         }
         return m.density_scales_emission ? m.emission * scale(t, rng, counters).x : m.emission;
     }
@@ -121,10 +122,8 @@ class MajorantTrack {
         return scale;
     }
     Vec3f index_point(float t) const {
-        return walk_ ? walk_->point(t) : medium().bounds->index_from_world.point(segment_->ray.at(t));
-    }
-    VolumePoint world_point(float t) const {
-        return {segment_->ray.at(t), -segment_->ray.d, segment_->ray_kind, segment_->ray.time};
+        return walk_ ? walk_->point(t)
+                     : medium().bounds->index_from_world.point(segment_->ray_of(interval_).at(t));
     }
 
     Interval interval_;

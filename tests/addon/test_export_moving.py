@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur of objects, shapes and the camera as the exporter reads it from Blender in a final render."""
+"""Motion blur of objects, shapes, volumes and the camera as the exporter reads it from Blender in a final
+render."""
+
+import gc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +28,7 @@ def final(bpy, camera):
         render.engine = blend_source.EXPORT_ENGINE
         bpy.ops.render.render()
         render.engine = "NEPHELE"
-        result = engine.outcome["result"]
+        result = engine.outcome.pop("result")
         if isinstance(result, BaseException):
             raise result
         return result
@@ -148,3 +152,71 @@ def test_lamps_that_move_are_named(bpy, triangle, link, final):
     assert scene.warnings == (
         "light 'Lamp': it moves while the shutter is open; it is shown as it stands at the frame",
     )
+
+
+@pytest.fixture
+def vdb(openvdb, tmp_path):
+    """Returns the path of a VDB file with a block of density."""
+    grid = openvdb.FloatGrid()
+    grid.name = "density"
+    grid.copyFromArray(np.ones((4, 4, 4), np.float32))
+    openvdb.write(str(tmp_path / "block.vdb"), grids=[grid])
+    return tmp_path / "block.vdb"
+
+
+def volume_object(bpy, link, name, path):
+    data = bpy.data.volumes.new(name)
+    data.filepath = str(path)
+    return link(name, data)
+
+
+def test_a_volume_on_its_way(bpy, link, vdb, final):
+    """One that is left out, before it, does not take its place."""
+    volume_object(bpy, link, "A", "")
+    item = volume_object(bpy, link, "B", vdb)
+    volume_object(bpy, link, "C", vdb)
+    animate(item, "location", {0: (0, 0, 0), 10: (10, 0, 0)})
+    scene = final()
+    moving, still = scene.volumes
+    assert places(moving.motion) == [[4.5, 0, 0], [5, 0, 0], [5.5, 0, 0]]
+    assert moving.world_from_object[:3, 3].tolist() == [5, 0, 0]
+    assert (still.name, still.motion) == ("C", None)
+    assert scene.warnings == ("volume 'A': it has no file; it is left out",)
+
+
+def test_a_temporary_file_lives_as_long_as_the_scene(bpy, link, vdb, final):
+    item = volume_object(bpy, link, "Displaced", vdb)
+    item.modifiers.new("Displace", "VOLUME_DISPLACE")  # what it shows is in no file
+    animate(item, "location", {0: (0, 0, 0), 10: (10, 0, 0)})
+    scene = final()
+    gc.collect()
+    path = Path(scene.volumes[0].path)
+    assert scene.volumes[0].motion is not None
+    assert path != vdb and path.is_file()
+    del scene
+    gc.collect()
+    assert not path.exists()
+
+
+def test_a_fluid_domain_on_its_way(bpy, link, final, tmp_path):
+    """The cache's own place in the domain goes along."""
+    mesh = bpy.data.meshes.new("Domain")
+    mesh.from_pydata(
+        [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 4)], [], [(0, 1, 3, 2), (4, 6, 7, 5)]
+    )
+    item = link("Domain", mesh)
+    modifier = item.modifiers.new("Fluid", "FLUID")
+    modifier.show_viewport = modifier.show_render = False  # the solver of the bpy modules aborts when freed
+    modifier.fluid_type = "DOMAIN"
+    settings = modifier.domain_settings
+    settings.domain_type, settings.resolution_max, settings.cache_type = "GAS", 8, "ALL"
+    settings.cache_directory = str(tmp_path / "cache")
+    (tmp_path / "cache" / "data").mkdir(parents=True)
+    (tmp_path / "cache" / "data" / "fluid_data_0005.vdb").write_bytes(b"")
+    animate(item, "location", {0: (0, 0, 0), 10: (10, 0, 0)})
+    scene = final()
+    (volume,) = scene.volumes
+    low = np.array((-1, -1, 0)) + 0.25  # half a voxel inside
+    assert places(volume.motion) == [np.add(low, (x, 0, 0)).tolist() for x in (4.5, 5, 5.5)]
+    assert np.allclose(volume.motion[1], volume.world_from_object, atol=1e-9)
+    assert scene.warnings == ()
