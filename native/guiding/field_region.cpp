@@ -53,6 +53,8 @@ void add_to(BranchSums& sum, const BranchSums& one, float share) {
 }  // namespace
 
 VspGuide FieldRegion::vsp(Vec3f wi) const {
+    if (!(fit_.samples() > 0))
+        return {};  // there are no lobes yet
     const LobeValues gamma = mixture.responsibilities(wi);
     VspGuide out{0, 0, 0, 0, 0, 0, 0};
     for (std::size_t k = 0; k < kMostLobes; ++k) {
@@ -86,6 +88,8 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
         directions.push_back({seen / length_seen, s.light / s.pdf, near ? 1 / length_seen : 0});
     }
     fit_.update(mixture, directions);
+    if (!(fit_.samples() > 0))
+        guided_share = 0;  // all was black: there are no lobes to draw from
     learn_segments(settings, samples);
 }
 
