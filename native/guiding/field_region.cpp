@@ -109,7 +109,8 @@ void FieldRegion::keep(float share) {
 
 /// The second moment that each share of guided directions would have had.
 void FieldRegion::learn_share(std::span<const FieldSample> samples) {
-    constexpr float kFirst = 0.5f;      // until samples say more
+    constexpr float kFirst = 0.5f;  // until samples say more
+    constexpr float kLargestMoment = 1e30f;
     constexpr float kWorthIts = 1.04f;  // the least gain that guiding has to bring: it takes time
     if (fit_.samples() > 0) {
         const std::vector<float> squares = bounded_squares(samples);
@@ -120,7 +121,7 @@ void FieldRegion::learn_share(std::span<const FieldSample> samples) {
             const float guide = s.guide_pdf >= 0 ? s.guide_pdf : mixture.seen_from(s.p - pivot).pdf(s.wi);
             for (std::size_t k = 0; k < moments_.size(); ++k) {
                 const float pdf = (1 - kGuidedShares[k]) * s.scatter_pdf + kGuidedShares[k] * guide;
-                moments_[k] += squares[i] * s.pdf / pdf;
+                moments_[k] += std::min(squares[i] * s.pdf / pdf, kLargestMoment);
             }
         }
     }
