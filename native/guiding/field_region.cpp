@@ -53,6 +53,8 @@ void add_to(BranchSums& sum, const BranchSums& one, float share) {
 }  // namespace
 
 VspGuide FieldRegion::vsp(Vec3f wi) const {
+    if (!(fit_.samples() > 0))
+        return {};  // there are no lobes yet
     const LobeValues gamma = mixture.responsibilities(wi);
     VspGuide out{0, 0, 0, 0, 0, 0, 0};
     for (std::size_t k = 0; k < kMostLobes; ++k) {
@@ -86,6 +88,8 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
         directions.push_back({seen / length_seen, s.light / s.pdf, near ? 1 / length_seen : 0});
     }
     fit_.update(mixture, directions);
+    if (!(fit_.samples() > 0))
+        guided_share = 0;  // all was black: there are no lobes to draw from
     learn_segments(settings, samples);
 }
 
@@ -106,7 +110,8 @@ void FieldRegion::keep(float share) {
 
 /// The second moment that each share of guided directions would have had.
 void FieldRegion::learn_share(std::span<const FieldSample> samples) {
-    constexpr float kFirst = 0.5f;      // until samples say more
+    constexpr float kFirst = 0.5f;  // until samples say more
+    constexpr float kLargestMoment = 1e30f;
     constexpr float kWorthIts = 1.04f;  // the least gain that guiding has to bring: it takes time
     if (fit_.samples() > 0) {
         const std::vector<float> squares = bounded_squares(samples);
@@ -117,7 +122,7 @@ void FieldRegion::learn_share(std::span<const FieldSample> samples) {
             const float guide = s.guide_pdf >= 0 ? s.guide_pdf : mixture.seen_from(s.p - pivot).pdf(s.wi);
             for (std::size_t k = 0; k < moments_.size(); ++k) {
                 const float pdf = (1 - kGuidedShares[k]) * s.scatter_pdf + kGuidedShares[k] * guide;
-                moments_[k] += squares[i] * s.pdf / pdf;
+                moments_[k] += std::min(squares[i] * s.pdf / pdf, kLargestMoment);
             }
         }
     }
