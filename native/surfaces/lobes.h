@@ -88,6 +88,7 @@ struct PlasticBase {
     PlasticBase(Rgb base_color, float eta, float roughness, bool nonlinear);
 
     bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
