@@ -51,6 +51,7 @@ int TechniqueChoice::draw(float u) const {
 
 void TechniqueChoice::decide(const Trial& trial) {
     double least = 0;
+    int best = -1;
     for (std::size_t i = 0; i < sets_.size(); ++i) {
         const TrialSums& sums = trial[i];
         if (sums.paths == 0)
@@ -60,9 +61,10 @@ void TechniqueChoice::decide(const Trial& trial) {
                             (sets_[i].any() ? 1 : kWorthIts);
         if (i == 0 || cost < least) {
             least = cost;
-            chosen_ = static_cast<int>(i);
+            best = static_cast<int>(i);
         }
     }
+    chosen_ = best;
 }
 
 void TechniqueChoice::restore(int chosen) {
