@@ -5,12 +5,19 @@ namespace nephele {
 
 namespace {
 
+/// Large depths and squares are bounded where they are added.
+bool usable(const VspRecord& r) {
+    return std::isfinite(r.probability) && std::isfinite(r.volume_weight) &&
+           std::isfinite(r.surface_weight) && std::isfinite(r.light) && std::isfinite(r.cost) &&
+           std::isfinite(r.transmittance) && !std::isnan(r.majorant_depth) && !std::isnan(r.volume_square) &&
+           !std::isnan(r.surface_square) && !std::isnan(r.both) && std::isfinite(r.extra_work);
+}
+
 bool usable(const FieldSample& s) {
     return is_finite(s.p) && is_finite(s.wi) && std::isfinite(s.light) && s.light >= 0 && s.pdf > 0 &&
            std::isfinite(s.pdf) && std::isfinite(s.scattering) && s.scattering >= 0 && s.scatter_pdf >= 0 &&
-           std::isfinite(s.scatter_pdf) && s.distance > 0 && std::isfinite(s.cost) &&
-           std::isfinite(s.vsp.light) && std::isfinite(s.vsp.volume_weight) &&
-           std::isfinite(s.vsp.surface_weight) && std::isfinite(s.vsp.transmittance);
+           std::isfinite(s.scatter_pdf) && std::isfinite(s.guide_pdf) && s.distance > 0 &&
+           std::isfinite(s.cost) && usable(s.vsp);
 }
 
 }  // namespace

@@ -86,6 +86,11 @@ bool FieldTree::part(std::uint32_t node, std::span<FieldSample> samples) {
     const int axis = v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
     if (!(v[axis] > 0) || !std::isfinite(v[axis]))
         return false;
+    // Of places that are all but one the mean is one of them.
+    const auto in_upper = [&](const FieldSample& s) { return s.p[axis] >= spread.mean[axis]; };
+    if (std::all_of(samples.begin(), samples.end(), in_upper) ||
+        std::none_of(samples.begin(), samples.end(), in_upper))
+        return false;
     const auto first = static_cast<std::uint32_t>(nodes_.size());
     const auto upper = static_cast<std::uint32_t>(regions_.size());
     const FieldRegion both = regions_[lower];
@@ -94,13 +99,12 @@ bool FieldTree::part(std::uint32_t node, std::span<FieldSample> samples) {
     nodes_.push_back({0, kLeaf, lower});
     nodes_.push_back({0, kLeaf, upper});
     // Each half stands where its own samples are.
-    const auto in_upper = [&](const FieldSample& s) { return s.p[axis] >= spread.mean[axis]; };
     std::vector<FieldSample> half;
     for (const bool is_upper : {false, true}) {
         half.clear();
         std::copy_if(samples.begin(), samples.end(), std::back_inserter(half),
                      [&](const FieldSample& s) { return in_upper(s) == is_upper; });
-        regions_[is_upper ? upper : lower].become_half(half.empty() ? both.pivot : Spread(half).mean);
+        regions_[is_upper ? upper : lower].become_half(Spread(half).mean);
     }
     return true;
 }

@@ -60,6 +60,7 @@ void TechniqueChoice::decide(const Trial& trial) {
     if (paths(trial) == 0)
         return;
     double least = 0;
+    int best = -1;
     for (std::size_t i = 0; i < sets_.size(); ++i) {
         const TrialSums& sums = trial[i];
         const auto n = static_cast<double>(sums.paths);
@@ -67,9 +68,10 @@ void TechniqueChoice::decide(const Trial& trial) {
                             (sets_[i].any() ? 1 : kWorthIts);
         if (i == 0 || cost < least) {
             least = cost;
-            chosen_ = static_cast<int>(i);
+            best = static_cast<int>(i);
         }
     }
+    chosen_ = best;
 }
 
 void TechniqueChoice::restore(int chosen) {

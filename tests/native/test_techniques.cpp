@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The trial of ways of guiding, and the estimate of the image that errors are measured against.
+#include "guiding/techniques.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "chi_square.h"
+#include "guiding/image_estimate.h"
+#include "guiding_fixtures.h"
+
+namespace nephele::test {
+namespace {
+
+Settings settings_with(bool directions, bool segments, bool roulette) {
+    Settings s = vsp_settings(Control::conditional);
+    s.guide_directions = directions;
+    s.vsp_secondary = segments;
+    s.guided_roulette = roulette;
+    return s;
+}
+/// A trial in which every set has so much error and work a path.
+Trial trial_of(const std::vector<std::pair<double, double>>& shown, int paths = 100) {
+    Trial trial{};
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+        for (int n = 0; n < paths; ++n)
+            trial[i].add(shown[i].first, shown[i].second);
+    }
+    return trial;
+}
+
+TEST(Techniques, SetsAreThoseThatTheSettingsAllow) {
+    for (int bits = 0; bits < 8; ++bits) {
+        const bool directions = bits & 1, segments = bits & 2, roulette = bits & 4;
+        const TechniqueChoice choice(settings_with(directions, segments, roulette));
+        EXPECT_EQ(choice.set(0), Techniques());
+        const int sets = choice.draw(kOneMinusEpsilon) + 1;
+        EXPECT_LE(sets, kMostSets);
+        EXPECT_EQ(choice.set(sets - 1), (Techniques{directions, segments, roulette}));
+        for (int i = 0; i < sets; ++i) {
+            const Techniques& set = choice.set(i);
+            EXPECT_TRUE((!set.directions || directions) && (!set.segments || segments) &&
+                        (!set.roulette || roulette));
+            for (int j = 0; j < i; ++j)
+                EXPECT_NE(set, choice.set(j));
+        }
+        EXPECT_EQ(sets == 1, bits == 0);
+        EXPECT_FALSE(choice.decided());
+    }
+    Settings delta = settings_with(false, true, false);
+    delta.distance_sampling = Settings::DistanceSampling::delta;
+    EXPECT_EQ(TechniqueChoice(delta).draw(kOneMinusEpsilon), 0) << "segments are guided by VSPG alone";
+    Settings always = settings_with(true, true, true);
+    always.train_field = Settings::TrainField::always;
+    EXPECT_TRUE(TechniqueChoice(always).decided());
+    EXPECT_EQ(TechniqueChoice(always).set(TechniqueChoice(always).draw(0)), (Techniques{true, true, true}));
+}
+
+// False alarms: 1 in 100 seeds.
+TEST(Techniques, PathsOnTrialDrawAllSetsAlike) {
+    const TechniqueChoice choice(settings_with(true, true, true));
+    const int sets = choice.draw(kOneMinusEpsilon) + 1;
+    std::vector<int> drawn(static_cast<std::size_t>(sets));
+    Rng rng(1051);
+    constexpr int kDraws = 100000;
+    for (int i = 0; i < kDraws; ++i)
+        ++drawn[static_cast<std::size_t>(choice.draw(rng.next()))];
+    double statistic = 0;
+    for (const int n : drawn) {
+        const double expected = double{kDraws} / sets;
+        statistic += (n - expected) * (n - expected) / expected;
+    }
+    EXPECT_GT(testing::gamma_q(0.5 * (sets - 1), 0.5 * statistic), 0.01);
+    EXPECT_EQ(choice.draw(0), 0);
+}
+
+TEST(Techniques, DecidesForTheLeastErrorTimesWork) {
+    const auto chosen = [](const std::vector<std::pair<double, double>>& shown) {
+        TechniqueChoice choice(settings_with(true, true, true));
+        choice.decide(trial_of(shown));
+        for (const float u : {0.0f, 0.5f, kOneMinusEpsilon})
+            EXPECT_EQ(choice.draw(u), choice.chosen());
+        return choice.chosen();
+    };
+    EXPECT_EQ(chosen({{1, 10}, {2, 10}, {0.5, 10}, {1, 10}, {0.9, 10}}), 2);
+    EXPECT_EQ(chosen({{1, 10}, {0.5, 30}, {0.6, 19}, {0.8, 10}, {0.7, 10}}), 4)
+        << "work counts as error does";
+    EXPECT_EQ(chosen({{1, 10}, {1, 10}, {1, 10}, {1, 10}, {1, 10}}), 0) << "none where they are equal";
+    EXPECT_EQ(chosen({{1, 10}, {0.99, 10}, {0.98, 10}, {1, 9.8}, {1, 10}}), 0) << "or nearly so";
+    EXPECT_EQ(chosen({{1, 10}, {1, 9.5}, {1, 10}, {1, 10}, {1, 10}}), 1);
+    EXPECT_EQ(chosen({{0, 10}, {0, 1}, {0, 1}, {0, 1}, {0, 1}}), 0);
+}
+
+TEST(Techniques, DecidesNothingBeforeAllHaveBeenTried) {
+    for (int missing = 0; missing < 5; ++missing) {
+        TechniqueChoice choice(settings_with(true, true, true));
+        Trial trial = trial_of({{1, 10}, {2, 10}, {0.5, 10}, {1, 10}, {0.9, 10}});
+        trial[static_cast<std::size_t>(missing)] = {};
+        choice.decide(trial);
+        EXPECT_FALSE(choice.decided()) << missing;
+    }
+}
+
+TEST(Techniques, TakesUpWhatWasChosen) {
+    TechniqueChoice choice(settings_with(true, false, false));
+    for (const int chosen : {1, 0, -1}) {
+        choice.restore(chosen);
+        EXPECT_EQ(choice.chosen(), chosen);
+        EXPECT_EQ(choice.decided(), chosen >= 0);
+    }
+    for (const int wrong : {-2, 2, 1000})
+        EXPECT_THROW(choice.restore(wrong), std::invalid_argument);
+    EXPECT_EQ(choice.chosen(), -1);
+}
+
+TEST(TrialSums, DoNotDependOnOrder) {
+    Rng rng(1061);
+    std::vector<std::pair<double, double>> paths;
+    for (int i = 0; i < 10000; ++i)
+        paths.emplace_back(std::exp(20 * double{rng.next()} - 10), 1000 * double{rng.next()});
+    TrialSums forward, backward, parts[3], joined;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        forward.add(paths[i].first, paths[i].second);
+        backward.add(paths[paths.size() - 1 - i].first, paths[paths.size() - 1 - i].second);
+        parts[i % 3].add(paths[i].first, paths[i].second);
+    }
+    for (const TrialSums& part : parts)
+        joined += part;
+    for (const TrialSums& sums : {backward, joined}) {
+        EXPECT_EQ(sums.paths, forward.paths);
+        EXPECT_EQ(sums.error, forward.error);
+        EXPECT_EQ(sums.work, forward.work);
+    }
+}
+
+TEST(TrialSums, BoundWhatOnePathAdds) {
+    TrialSums worst, sums;
+    worst.add(1e4, 1e7);
+    sums.add(1e30, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(sums.error, worst.error);
+    EXPECT_EQ(sums.work, worst.work);
+    TrialSums least;
+    least.add(-1, -1);
+    EXPECT_EQ(least.error + least.work, 0U);
+    EXPECT_EQ(least.paths, 1U);
+}
+
+constexpr int kSide = 16;
+
+/// An image whose left half brings 1 and whose right half 4 on average, half of the samples nothing.
+ImageEstimate image_of(int samples, std::uint64_t seed = 1063) {
+    Rng rng(seed);
+    ImageEstimate image(kSide, kSide);
+    for (int i = 0; i < samples * kSide * kSide; ++i) {
+        const int x = i % kSide, y = i / kSide % kSide;
+        image.add(x, y, (rng.next() < 0.5f ? 2.0f : 0.0f) * (x < kSide / 2 ? 1.0f : 4.0f), 8);
+    }
+    image.update();
+    return image;
+}
+
+TEST(ImageEstimate, KnowsNothingAtFirst) {
+    ImageEstimate image(kSide, kSide);
+    EXPECT_EQ(image.worth(3, 4), 0);
+    image.update();
+    EXPECT_EQ(image.worth(3, 4), 0);
+    EXPECT_TRUE(std::isfinite(image.relative_error(3, 4, 1)));
+}
+
+TEST(ImageEstimate, WorthIsByRadianceNoiseAndWork) {
+    // Relative variance 1 of every sample, work 8. The mean of a column's 16 x 1024 samples has a relative
+    // standard deviation of 1/128; the tolerances are 6 of the worth's and 4 of the error's: false alarms 1
+    // in 10000.
+    const ImageEstimate image = image_of(1024);
+    for (const int x : {2, 13}) {
+        const double radiance = x < kSide / 2 ? 1 : 4;
+        double worth = 0, error = 0;
+        for (int y = 0; y < kSide; ++y) {
+            worth += double{image.worth(x, y)} / kSide;
+            error += double{image.relative_error(x, y, static_cast<float>(3 * radiance))} / kSide;
+            EXPECT_LT(image.relative_error(x, y, static_cast<float>(radiance)), 0.03f);
+        }
+        EXPECT_NEAR(worth / (radiance * std::sqrt(1 / 8.0)), 1, 0.05) << x;
+        // The square of the sample's difference by that of the mean, and of a tenth of the image's: 2.5.
+        EXPECT_NEAR(error, 4 * radiance * radiance / (radiance * radiance + 0.0625), 0.4) << x;
+    }
+}
+
+TEST(ImageEstimate, WithoutNoiseBranchesAreWorthNothing) {
+    ImageEstimate image(kSide, kSide);
+    for (int i = 0; i < 64 * kSide * kSide; ++i)
+        image.add(i % kSide, i / kSide % kSide, 3, 8);
+    image.update();
+    EXPECT_NEAR(image.worth(5, 5), 0, 0.01);
+    EXPECT_NEAR(image.relative_error(5, 5, 3), 0, 1e-4);
+}
+
+TEST(ImageEstimate, GoesOnFromWhatWasSaved) {
+    ImageEstimate image = image_of(16), other(kSide, kSide);
+    std::map<std::string, std::vector<double>> saved, again;
+    image.save(saved);
+    other.restore(saved);
+    other.save(again);
+    EXPECT_TRUE(saved == again);
+    for (ImageEstimate* e : {&image, &other}) {
+        e->add(3, 3, 7, 5);
+        e->update();
+    }
+    for (int i = 0; i < kSide * kSide; ++i)
+        EXPECT_EQ(image.worth(i % kSide, i / kSide), other.worth(i % kSide, i / kSide));
+    ImageEstimate wrong(kSide, kSide + 1);
+    EXPECT_THROW(wrong.restore(saved), std::invalid_argument);
+    EXPECT_FALSE(wrong.inherit(saved, 8));
+    EXPECT_THROW(other.restore({}), std::invalid_argument);
+    for (const auto& [name, values] : saved) {
+        auto bad = saved;
+        bad.at(name).pop_back();
+        EXPECT_THROW(other.restore(bad), std::invalid_argument) << name;
+        bad = saved;
+        bad.at(name)[5] = -1;
+        EXPECT_THROW(other.restore(bad), std::invalid_argument) << name;
+    }
+}
+
+TEST(ImageEstimate, InheritsAsIfFromFewSamples) {
+    std::map<std::string, std::vector<double>> saved;
+    const ImageEstimate before = image_of(1024);
+    before.save(saved);
+    ImageEstimate heir(kSide, kSide);
+    EXPECT_FALSE(heir.inherit({}, 8));
+    ASSERT_TRUE(heir.inherit(saved, 8));
+    EXPECT_EQ(heir.worth(5, 5), before.worth(5, 5)) << "at once";
+    // 56 samples of another image count for seven eighths.
+    for (int i = 0; i < 56 * kSide * kSide; ++i)
+        heir.add(i % kSide, i / kSide % kSide, i / (kSide * kSide) % 2 == 0 ? 0 : 200, 8);
+    heir.update();
+    EXPECT_GT(heir.worth(2, 8), 40 * before.worth(2, 8));
+}
+
+}  // namespace
+}  // namespace nephele::test
