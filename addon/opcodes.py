@@ -122,7 +122,8 @@ BLEND_MODES = (
 
 # Closures and the registers they read, in order. Every closure also has a weight register. All but the last
 # are of surfaces and lights; "medium" is that of a volume (1/m, 1/m, W/(m^3 sr); the phase function's kind is
-# its mode and its parameters are the last two).
+# its mode and its parameters are the last two). "plastic" is no node of Blender's: it is Mitsuba's (smooth, or
+# with `roughness`), whose light that is caught below the coat takes up more colour where `nonlinear` is 1.
 CLOSURES = {
     "diffuse": ("color", "roughness", "normal"),
     "glossy": ("color", "roughness", "normal"),
@@ -136,13 +137,14 @@ CLOSURES = {
         "transmission_weight", "coat_weight", "coat_roughness", "coat_ior", "coat_tint", "coat_normal",
         "sheen_weight", "sheen_roughness", "sheen_tint", "emission_color", "emission_strength",
     ),
+    "plastic": ("color", "roughness", "ior", "nonlinear", "normal"),
     "medium": ("sigma_s", "sigma_a", "emission", "phase_a", "phase_b"),
 }  # fmt: skip
 
 # Bits of a ray's kind, as "ray_is" tests them and as visibility masks count them.
 RAY_KINDS = ("camera", "diffuse", "glossy", "transmission", "volume", "shadow")
 
-# Microfacet distribution variants of glossy, glass and principled: the closure row's mode.
+# Microfacet distribution variants of glossy, glass, plastic and principled: the closure row's mode.
 DISTRIBUTIONS = ("ggx", "multi_ggx", "beckmann")
 
 # Phase functions and what their parameters a and b mean: a closure's mode is the index.

@@ -18,8 +18,8 @@
 namespace nephele {
 
 inline constexpr std::size_t kMaxRegisters = 256;
-/// Most scattering lobes that one program may mix, and those of one Principled BSDF.
-inline constexpr int kMaxLobes = 64, kPrincipledLobes = 6;
+/// Most scattering lobes that one program may mix, and those of one Principled BSDF and of one plastic.
+inline constexpr int kMaxLobes = 64, kPrincipledLobes = 6, kPlasticLobes = 2;
 
 /// One operation. dst, a to d are registers; `parameter` is an offset into Program::parameters.
 struct Instruction {

@@ -118,6 +118,8 @@ bool is_normal(ClosureKind kind, int input) {
             return input == refraction_input::normal;
         case ClosureKind::translucent:
             return input == translucent_input::normal;
+        case ClosureKind::plastic:
+            return input == plastic_input::normal;
         case ClosureKind::principled:
             return input == principled_input::normal || input == principled_input::coat_normal;
         default:
@@ -154,6 +156,8 @@ int lobe_count(ClosureKind kind) {
             return 0;
         case ClosureKind::principled:
             return kPrincipledLobes;
+        case ClosureKind::plastic:
+            return kPlasticLobes;
         default:
             return 1;
     }

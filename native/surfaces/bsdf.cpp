@@ -179,6 +179,23 @@ void add_refraction(Bsdf& bsdf, const Inputs& in) {
              in.weight() * in.color(refraction_input::color), n);
 }
 
+void add_plastic(Bsdf& bsdf, const Inputs& in) {
+    // Opaque: either side has the coat outside.
+    const float eta = std::max(in.color(plastic_input::ior).x, 1e-5f) / in.point.outside_ior;
+    const float roughness = in.unit(plastic_input::roughness);
+    const Vec3f n = in.bent(plastic_input::normal);
+    const Reflection coat =
+        make_reflection(in.distribution(), roughness, Fresnel::dielectric(eta), dot(n, in.point.wo));
+    if (eta != 1)
+        bsdf.add(coat, in.weight(), n);
+    const Rgb color = min(in.color(plastic_input::color), Rgb(1));
+    if (is_zero(color))
+        return;
+    const float seen_roughness = coat.specular() ? 0 : coat.facets.ggx_roughness();
+    const bool nonlinear = in.color(plastic_input::nonlinear).x > 0;
+    bsdf.add(PlasticBase(color, eta, seen_roughness, nonlinear), in.weight(), n);
+}
+
 void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& registers,
                  const ShadingPoint& point) {
     const Inputs in{row, registers, point};
@@ -202,6 +219,8 @@ void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& register
             return;
         case ClosureKind::principled:
             return add_principled(bsdf, row, registers, point);
+        case ClosureKind::plastic:
+            return add_plastic(bsdf, in);
         case ClosureKind::medium:
             return;  // of volumes: see media/program_medium.h
     }

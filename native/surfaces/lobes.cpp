@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lobes without microfacet normals: diffuse ones and sheen. All but the transmission sample a cosine
-// hemisphere.
+// The lobes without microfacet normals: diffuse ones, the base of plastics and sheen. All but the
+// transmission sample a cosine hemisphere.
 #include "surfaces/lobes.h"
 
 #include "math/warp.h"
@@ -92,6 +92,52 @@ Rgb RoughDiffuse::albedo(Vec3f wo) const {
     const FujiiAlbedo albedo_of(roughness);
     const float single = albedo_of.towards(wo.z);
     return color * single + multiple_scattering_color(color, albedo_of.mean()) * (1 - single);
+}
+
+// --- Plastic
+// -----------------------------------------------------------------------------------------------------
+
+PlasticBase::PlasticBase(Rgb base_color, float eta_, float roughness_, bool nonlinear)
+    : eta(eta_), roughness(roughness_) {
+    float thrown_back = exact_fresnel_dielectric_mean(1 / eta);  // share of light from below
+    if (roughness > 0) {
+        thrown_back *= mean_dielectric_albedo(roughness, 1 / eta).reflected /
+                       mean_dielectric_albedo(0, 1 / eta).reflected;
+        // Never more than does not get out: the tables are coarse where total reflection begins.
+        thrown_back = std::min(thrown_back, 1 - mean_transmitted() / (eta * eta));
+    }
+    const Rgb once_more = nonlinear ? base_color : Rgb(1);
+    color = base_color / (Rgb(1) - once_more * thrown_back);
+}
+
+/// Share of light from a cosine that gets through the coat: exact where it is smooth; the tables say by how
+/// much roughness changes it.
+float PlasticBase::transmitted(float mu) const {
+    const float smooth = 1 - fresnel_dielectric(clamp01(mu), eta);
+    if (roughness == 0)
+        return smooth;
+    const float at_0 = dielectric_albedo(mu, 0, eta).transmitted;
+    return std::min(smooth * dielectric_albedo(mu, roughness, eta).transmitted / std::max(at_0, 1e-4f), 1.0f);
+}
+float PlasticBase::mean_transmitted() const {
+    const float smooth = 1 - exact_fresnel_dielectric_mean(eta);
+    if (roughness == 0)
+        return smooth;
+    return smooth * mean_dielectric_albedo(roughness, eta).transmitted /
+           mean_dielectric_albedo(0, eta).transmitted;
+}
+
+LobeValue PlasticBase::eval(Vec3f wo, Vec3f wi) const {
+    if (wo.z <= 0 || wi.z <= 0)
+        return {};
+    const float p = wi.z * kInvPi;
+    return {color * (transmitted(wo.z) * transmitted(wi.z) / (eta * eta) * p), p};
+}
+std::optional<LobeSample> PlasticBase::sample(Vec3f wo, float, Vec2f u) const {
+    return sample_cosine(*this, wo, u);
+}
+Rgb PlasticBase::albedo(Vec3f wo) const {
+    return color * (transmitted(wo.z) * mean_transmitted() / (eta * eta));
 }
 
 // --- Sheen

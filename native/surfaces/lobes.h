@@ -69,6 +69,30 @@ struct RoughDiffuse {
     Rgb albedo(Vec3f wo) const;
 };
 
+/// The diffuse base of a plastic: Lambert's surface below a smooth or rough dielectric coat. Light is dimmed
+/// by the coat's transmittance on its way in and out; what the coat throws back from below adds up with the
+/// base's colour (the "plastic" of Mitsuba 3, Jakob et al. 2022). The coat's own reflection is a lobe of its
+/// own. A rough coat scatters once, and loses the light that would need more.
+struct PlasticBase {
+    Rgb color;            ///< of the base, with all reflections between it and the coat
+    float eta = 1.5f;     ///< ior of the coat / ior on wo's side
+    float roughness = 0;  ///< of the coat, sqrt(alpha) of GGX
+
+    /// nonlinear: light that the coat throws back takes up `color` anew each time; else it counts as if the
+    /// base were white for it, so that all of the result is proportional to the colour.
+    PlasticBase(Rgb base_color, float eta, float roughness, bool nonlinear);
+
+    bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }  ///< of the ray that it scatters
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;
+
+  private:
+    float transmitted(float mu) const;
+    float mean_transmitted() const;
+};
+
 /// Microfacet reflection with any Fresnel curve: glossy, metal, coat, the reflecting part of a plastic.
 struct Reflection {
     Microfacet facets;
@@ -115,9 +139,10 @@ struct Sheen {
 /// A Sheen lobe seen from cosine mu whose albedo follows the Sheen BSDF of Cycles (microfibres).
 Sheen make_sheen(float roughness, float mu);
 
-using LobeModel = std::variant<Lambert, Translucent, RoughDiffuse, Reflection, Dielectric, Sheen>;
+using LobeModel =
+    std::variant<Lambert, Translucent, RoughDiffuse, PlasticBase, Reflection, Dielectric, Sheen>;
 
-static_assert(LobeLike<Lambert> && LobeLike<Translucent> && LobeLike<RoughDiffuse> && LobeLike<Reflection> &&
-              LobeLike<Dielectric> && LobeLike<Sheen>);
+static_assert(LobeLike<Lambert> && LobeLike<Translucent> && LobeLike<RoughDiffuse> && LobeLike<PlasticBase> &&
+              LobeLike<Reflection> && LobeLike<Dielectric> && LobeLike<Sheen>);
 
 }  // namespace nephele

@@ -61,6 +61,12 @@ std::vector<NamedProgram> mixtures() {
              .add(ClosureKind::translucent, {color, kNoNormal}, Distribution::ggx, 0.3f)
              .add(ClosureKind::transparent, {color}, Distribution::ggx, 0.3f)
              .program},
+        {"plastic",
+         ConstantProgram().add(ClosureKind::plastic, {color, s(0), s(1.5f), s(0), kNoNormal}).program},
+        {"rough plastic",
+         ConstantProgram()
+             .add(ClosureKind::plastic, {color, s(0.4f), s(1.5f), s(1), kNoNormal}, Distribution::beckmann)
+             .program},
         {"rough glass and glossy",
          ConstantProgram()
              .add(ClosureKind::glass, {color, s(0.5f), s(1.45f), kNoNormal}, Distribution::multi_ggx, 0.5f)

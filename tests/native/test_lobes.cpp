@@ -32,6 +32,9 @@ std::vector<NamedLobe> smooth_lobes() {
         {"translucent", Translucent{}, false},
         {"rough diffuse 0.4", RoughDiffuse{{0.9f, 0.5f, 0.2f}, 0.4f}, true},
         {"rough diffuse 1", RoughDiffuse{{0.9f, 0.5f, 0.2f}, 1.0f}, true},
+        {"plastic", PlasticBase({0.9f, 0.5f, 0.2f}, 1.5f, 0, false), true},
+        {"nonlinear plastic", PlasticBase({0.9f, 0.5f, 0.2f}, 1.9f, 0, true), true},
+        {"rough plastic", PlasticBase({0.9f, 0.5f, 0.2f}, 1.5f, 0.4f, false), true},
         {"sheen 0.4", Sheen{0.4f, 1}, true},
         {"sheen 0.8", Sheen{0.8f, 1}, true},
     };

@@ -27,10 +27,11 @@ class Code:
         self.parameters.extend(parameters)
         return result
 
-    def program(self, *closures):
-        """Returns the Program; closures: (kind, weight, *inputs) of registers, or None for no normal."""
+    def program(self, *closures, mode=0):
+        """Returns the Program; closures: (kind, weight, *inputs) of registers, or None for no normal. mode:
+        of all closures."""
         rows = [
-            d.Closure(kind, weight, tuple(-1 if i is None else i for i in inputs))
+            d.Closure(kind, weight, tuple(-1 if i is None else i for i in inputs), mode)
             for kind, weight, *inputs in closures
         ]
         return d.Program(

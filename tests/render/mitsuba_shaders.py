@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces and backgrounds of Mitsuba 3 as shading programs, as far as its participating media scenes need
-them: diffuse, checkerboard, dielectric, thin dielectric, environment map."""
+them: diffuse, checkerboard, plastics, dielectric, thin dielectric, environment map."""
 
 import numpy as np
 from assembler import Code
 from nephele import description as d
+from nephele import opcodes
 from truth import diffuse, glass
 
-WATER, AIR = 1.333, 1.000277  # Mitsuba's refractive indices of these names
+WATER, AIR, POLYPROPYLENE = 1.333, 1.000277, 1.49  # Mitsuba's refractive indices of these names
+ROUGH = 0.1  # alpha of a rough surface that states none
+# What a rough coat throws back from below is a mean over cosines. Mitsuba takes the sum over 64 nodes from 0
+# to 1, both included, divided by 64: 0.5758 (by its BSDF's values) where the integral is 0.583 and our tables
+# say 0.5855. The base's colour over one minus that is what counts.
+ROUGH_BASE = (1 - 0.5855) / (1 - 0.5758)
 
 
 def checkerboard(color0, color1, scale):
@@ -18,6 +24,13 @@ def checkerboard(color0, color1, scale):
     odd = code.run("floored_modulo", code.run("add", u, v), code.constant(2))
     color = code.run("mix", code.constant(color0), code.constant(color1), odd)
     return code.program(("diffuse", 0, color, code.constant(0), None))
+
+
+def plastic(reflectance, alpha):
+    """Polypropylene in air, over a diffuse base; alpha: of Beckmann facets, 0 for a smooth coat."""
+    code = Code()
+    inputs = [code.constant(v) for v in (reflectance, np.sqrt(alpha), POLYPROPYLENE / AIR, 0)]
+    return code.program(("plastic", 0, *inputs, None), mode=opcodes.DISTRIBUTIONS.index("beckmann"))
 
 
 def thin_dielectric(ior):
@@ -52,6 +65,9 @@ def surface(kind, values):
         return None
     if kind == "diffuse":
         return values.get("texture") or diffuse(values.get("reflectance", 0.5))
+    if kind in ("plastic", "roughplastic"):
+        rough = kind == "roughplastic"
+        return plastic(values["diffuse_reflectance"] * (ROUGH_BASE if rough else 1), ROUGH if rough else 0)
     names = {"water": WATER, "air": AIR}
     ior = names[values["int_ior"]] / names[values["ext_ior"]]
     if kind == "dielectric":

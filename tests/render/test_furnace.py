@@ -20,11 +20,13 @@ from truth import (
     assert_blocks,
     assert_mean,
     box,
+    constant_program,
     diffuse,
     emission,
     glass,
     joined,
     medium,
+    orthographic,
     perspective,
     placed,
     sphere,
@@ -91,6 +93,33 @@ def test_furnace_of_white_diffuse_surfaces():
     scene = Scene(perspective((0, -4, 1.5), (0, 0, 0.3)), WHITE)
     scene.add(box((-5, -5, -2), (5, 5, -0.5), "floor"), diffuse(1.0)).add(sphere(0.7, 3), diffuse(1.0))
     check(scene)
+
+
+def test_furnace_of_white_plastic():
+    plastic = constant_program(("plastic", 1.0, 0.0, 1.5, 1.0, None))
+    scene = Scene(perspective((0, -4, 1.5), (0, 0, 0.3)), WHITE)
+    check(
+        scene.add(box((-5, -5, -2), (5, 5, -0.5), "floor"), plastic).add(box((-1, -1, 0), (1, 1, 1)), plastic)
+    )
+
+
+@pytest.mark.parametrize("nonlinear", [0.0, 1.0])
+def test_a_plastic_plane_loses_what_its_base_absorbs(nonlinear):
+    """At 60 degrees: its coat mirrors F; of the rest, the base returns by its colour what the coat lets out,
+    n = 1.5. Between base and coat light goes on by the share that the coat throws back from below."""
+    color, n, cosine = np.array((0.9, 0.5, 0.1)), 1.5, 0.5
+    below = np.sqrt(1 - (1 - cosine**2) / n**2)
+    across, along = (cosine - n * below) / (cosine + n * below), (n * cosine - below) / (n * cosine + below)
+    mirrored = (across**2 + along**2) / 2
+    back = 1 - (1 - 0.0917780) / n**2  # 0.0917780: mean of F over the hemisphere, integrated numerically
+    again = color if nonlinear else 1.0
+    expected = mirrored + (1 - mirrored) * color * (1 - back) / (1 - again * back)
+    camera = orthographic((0, -4 * np.sqrt(0.75), 2), (0, 0, 0), 1)
+    plane = box((-9, -9, -2), (9, 9, 0), "plane")
+    check(
+        Scene(camera, WHITE).add(plane, constant_program(("plastic", color, 0.0, n, nonlinear, None))),
+        expected,
+    )
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3])

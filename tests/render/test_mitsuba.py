@@ -7,8 +7,8 @@ colours, from XYZ), Sidak-corrected to a significance of 0.01 over the pixels; 9
 variance comes from the scatter of renders with different seeds, hence Student's t. Two stricter tests follow:
 the means of blocks of 6 x 6 pixels and of the whole image, each with false alarm 1e-4 a scene (Sidak).
 
-Six of the seven scenes; the seventh has no medium, and surfaces of plastic that no closure is. The one of
-glass has more samples: its coarse pedestal shows what smooth normals do to refraction, differences of 3 %.
+All seven scenes; the last has no medium, but surfaces of plastic, smooth and rough. The one of glass has more
+samples: its coarse pedestal shows what smooth normals do to refraction, differences of 3 %.
 """
 
 from pathlib import Path
@@ -85,6 +85,7 @@ def assert_like_mitsuba(name, grid_medium, samples, **settings):
         ("test_homo_area_light", 108),
         ("test_homo_dielectric_envmap", 160),
         ("test_hetero_spectral_sigmat_no_scattering", 54),
+        ("test_surf_area_light", 108),
     ],
 )
 def test_constant_media(name, samples):
