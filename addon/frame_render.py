@@ -4,7 +4,7 @@
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from . import checkpoint, description_file, exr, rendering, statistics
+from . import checkpoint, description_file, exr, guiding_file, rendering, statistics
 from .errors import InputError
 from .output import atomic
 
@@ -63,6 +63,8 @@ class FrameRender:
             except ValueError as error:
                 raise InputError(f"{self.checkpoint_path}: {error}") from error
             notes.append(f"going on after {resumed} samples per pixel")
+        elif self.request.guiding_load:  # a checkpoint holds what was loaded when it began
+            notes.append(self.inherit(renderer))
         self.seconds["build"] = time.perf_counter() - stage
         # Said only now, when nothing of the input can be refused any more: a refusal is a single line.
         for line in [*(f"warning: {text}" for text in self.warnings(renderer)), *notes]:
@@ -74,6 +76,15 @@ class FrameRender:
             self.save_checkpoint(renderer)
             self.reporter.say(f"cancelled; --resume continues from {self.checkpoint_path}")
             raise
+
+    def inherit(self, renderer):
+        """Starts from what --guiding-load names. Returns a note."""
+        path = self.request.guiding_load
+        knowledge = guiding_file.load(path, self.scene, self.native_module.__version__)
+        try:
+            return f"{path}: {renderer.inherit(knowledge)} taken over"
+        except ValueError as error:
+            raise InputError(f"{path}: {error}") from error
 
     def render_and_write(self, renderer):
         """Renders to the end or the time limit, then writes every file of the frame."""
@@ -90,6 +101,9 @@ class FrameRender:
             self.save_checkpoint(renderer)
         else:
             self.checkpoint_path.unlink(missing_ok=True)
+        if self.request.guiding_save:
+            path = self.request.path("guiding_save", self.frame)
+            guiding_file.save(path, renderer, self.scene, self.native_module.__version__)
         self.seconds["write"] = time.perf_counter() - stage
         self.seconds["total"] = time.perf_counter() - self.begin
         if self.request.stats:
@@ -136,5 +150,16 @@ class FrameRender:
         done, wanted = native["samples_done"], self.scene.settings["samples"]
         if native["nonfinite_samples"]:
             self.reporter.say(f"warning: {native['nonfinite_samples']} samples were not finite and left out")
+        self.reporter.say(field_line(native["guiding_field"]))
         limit = f" of {wanted} (time limit; --resume continues)" if done < wanted else ""
         self.reporter.say(f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s")
+
+
+def field_line(field):
+    """Returns what the guiding field was good for, in a line. field: of Renderer.statistics()."""
+    if not field["trains"]:
+        return f"guiding field: none ({field['reason']})"
+    size = f"{field['regions']} regions, {field['bytes'] / 2**20:.1f} MiB"
+    if field["uses"] is None:
+        return f"guiding field: {size}, its uses still on trial"
+    return f"guiding field: {size}, used for {', '.join(field['uses']) or 'nothing: it did not pay'}"

@@ -11,6 +11,7 @@ from .output import check_suffix, check_writable, frame_path
 
 # The first bytes of a .blend: plain, zstd or gzip.
 BLEND_MAGIC = (b"BLENDER", b"\x28\xb5\x2f\xfd", b"\x1f\x8b")
+OUTPUTS = ("image", "png", "stats", "description", "guiding_save")  # attributes of a Request
 FLAGS = ("samples", "time_limit", "seed", "threads")  # settings with an option of their own
 
 
@@ -30,11 +31,13 @@ class Request:
     png: str | None = None
     stats: str | None = None
     description: str | None = None
+    guiding_save: str | None = None
+    guiding_load: str | None = None
     resume: bool = False
     quiet: bool = False
 
     def path(self, kind, frame):
-        """Returns where `kind` ("image", "png", "stats" or "description") of `frame` goes, or None."""
+        """Returns where `kind` (see OUTPUTS) of `frame` goes, or None."""
         template = getattr(self, kind)
         return frame_path(template, frame, self.several) if template else None
 
@@ -69,6 +72,8 @@ def from_arguments(arguments):
         png=arguments.png,
         stats=arguments.stats,
         description=arguments.save_description,
+        guiding_save=arguments.guiding_save,
+        guiding_load=arguments.guiding_load,
         resume=arguments.resume,
         quiet=arguments.quiet,
     )
@@ -144,14 +149,22 @@ def check_outputs(request):
     """Raises InputError where an output cannot be written or two are the same file."""
     if not request.image and not request.description:
         raise InputError("nothing to write: name an image with -o OUT.exr")
-    for option, path in (("--png", request.png), ("--stats", request.stats), ("--resume", request.resume)):
+    for option, path in (
+        ("--png", request.png),
+        ("--stats", request.stats),
+        ("--resume", request.resume),
+        ("--guiding-save", request.guiding_save),
+        ("--guiding-load", request.guiding_load),
+    ):
         if path and not request.image:
             raise InputError(f"{option} needs an image: name one with -o OUT.exr")
     for option, suffix, path in (("-o", ".exr", request.image), ("--png", ".png", request.png)):
         if path:
             check_suffix(path, suffix, option)
     taken = {Path(request.scene).resolve()}
-    for kind in ("image", "png", "stats", "description"):
+    if request.guiding_load:
+        taken.add(Path(request.guiding_load).resolve())
+    for kind in OUTPUTS:
         path = request.path(kind, request.frames[0])
         if path is None:
             continue

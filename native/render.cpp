@@ -13,7 +13,6 @@ namespace nephele {
 namespace {
 
 constexpr int kTileSize = 32;
-constexpr const char* kLearnedAt = "vsp_learned_at";
 constexpr int kLargestPass = 16;  // samples per pixel between two looks at the clock's bigger picture
 
 /// Samples per pixel after the pass that starts at `done`. The guiding learns at powers of two, so a pass
@@ -23,15 +22,6 @@ int next_target(int done, int samples) {
     while (power <= done && power <= samples)
         power *= 2;
     return std::min({done + std::clamp(done, 1, kLargestPass), power, samples});
-}
-
-bool is_power_of_two(int n) {
-    return n > 0 && (n & (n - 1)) == 0;
-}
-
-bool guides(const Settings& settings, const SceneFeatures& features) {
-    return settings.integrator == Settings::Integrator::path && features.media && settings.vsp_primary &&
-           settings.distance_sampling != Settings::DistanceSampling::delta;
 }
 
 using Clock = std::chrono::steady_clock;
@@ -77,7 +67,8 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
       frame_(std::move(frame)),
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
-      kernel_(choose_kernel(settings, scene_->features())) {
+      kernel_(choose_kernel(settings, scene_->features())),
+      learning_(*scene_, settings, film_.width(), film_.height()) {
     check_plain(settings_, *scene_);
     const auto any = [&](std::initializer_list<PassId> passes) {
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
@@ -87,8 +78,6 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
     request_.features =
         any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
     request_.transparent_film = frame_.transparent;
-    if (guides(settings_, scene_->features()))
-        guiding_.emplace(film_.width(), film_.height(), settings_);
 }
 
 Render::~Render() {
@@ -114,8 +103,7 @@ void Render::run() {
         samples_done_ = done;
         while (done < settings_.samples && !must_stop()) {
             arena.execute([&] {
-                if (guiding_ && is_power_of_two(done) && learned_at_ != done)
-                    learn();
+                learn();
                 render_pass(next_target(done, settings_.samples));
             });
             done = lowest_count();
@@ -135,8 +123,8 @@ void Render::run() {
 
 void Render::learn() {
     const auto begin = Clock::now();
-    guiding_->update();
-    learned_at_ = samples_done_;
+    if (!learning_.update(samples_done_))
+        return;
     const std::lock_guard lock(mutex_);
     statistics_.train_seconds += seconds_since(begin);
 }
@@ -173,6 +161,7 @@ void Render::render_tile(int tile, int target) {
     statistics_.density_lookups += ws.counters.density_lookups;
     statistics_.bound_violations += ws.counters.bound_violations;
     statistics_.nonfinite_samples += ws.nonfinite_samples;
+    learning_.collect(ws);
     statistics_.render_cpu_seconds += thread_cpu_seconds() - cpu;
     if (statistics_.first_tile_seconds == 0)
         statistics_.first_tile_seconds = seconds_since(start_);
@@ -182,24 +171,29 @@ void Render::render_pixel(int x, int y, int target, Workspace& ws) {
     const auto first = film_.count(x, y);
     SampleRequest request = request_;
     VspGuide guide;
-    if (guiding_) {
-        guide = guiding_->guide(x, y);
-        request.guide = &guide;
-    }
+    learning_.guide_pixel(x, y, request, guide);
     for (std::uint32_t i = first; i < static_cast<std::uint32_t>(target) && !cancelled_; ++i) {
+        learning_.ask(number_of_path(x, y, i), request);
         const PixelSample sample = take_sample(x, y, i, request, ws);
         film_.add(x, y, sample, settings_.film_exposure);
-        if (guiding_)
-            guiding_->add(x, y, sample.vsp);
+        learning_.add(x, y, sample, request.set, ws);
     }
     samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);
+}
+
+std::uint32_t Render::number_of_pixel(int x, int y) const {
+    return static_cast<std::uint32_t>(y + frame_.y0) * static_cast<std::uint32_t>(frame_.width) +
+           static_cast<std::uint32_t>(x + frame_.x0);
+}
+
+std::uint64_t Render::number_of_path(int x, int y, std::uint32_t index) const {
+    return std::uint64_t{number_of_pixel(x, y)} << 24 | index;
 }
 
 PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                                 Workspace& ws) const {
     const int fx = x + frame_.x0, fy = y + frame_.y0;
-    const auto pixel = static_cast<std::uint32_t>(fy) * static_cast<std::uint32_t>(frame_.width) +
-                       static_cast<std::uint32_t>(fx);
+    const std::uint32_t pixel = number_of_pixel(x, y);
     PathSampler sampler(settings_.sampler == Settings::Sampler::sobol,
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
@@ -207,6 +201,8 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
     const float time = scene_->features().motion ? sampler.next() : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
+    if (learning_.active())
+        sampler.enter_epoch(epoch_of(index));
     const std::uint64_t lookups = ws.counters.density_lookups;
     PixelSample s = kernel_(*scene_, settings_, request, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
@@ -215,6 +211,7 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
         ++ws.nonfinite_samples;
         s.volume = s.surface = s.emission = Rgb(0);
         s.vsp = {};
+        s.work = 0;
     }
     const float largest = max_component(s.volume + s.surface);
     if (settings_.clamp > 0 && largest > settings_.clamp) {
@@ -279,21 +276,21 @@ RenderStatistics Render::statistics() const {
 
 std::map<std::string, std::vector<double>> Render::save() const {
     auto saved = film_.save();
-    if (guiding_) {
-        guiding_->save(saved);
-        saved[kLearnedAt] = {static_cast<double>(learned_at_)};
-    }
+    learning_.save(saved);
     return saved;
+}
+
+std::string Render::inherit(const std::map<std::string, std::vector<double>>& knowledge) {
+    if (state_ != State::idle)
+        throw std::logic_error("hand knowledge over before the render starts");
+    return learning_.inherit(knowledge);
 }
 
 void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
     if (state_ != State::idle)
         throw std::logic_error("restore a checkpoint before the render starts");
     film_.restore(saved);
-    if (guiding_) {
-        guiding_->restore(saved);
-        learned_at_ = static_cast<int>(saved.at(kLearnedAt).at(0));
-    }
+    learning_.restore(saved);
     std::uint64_t taken = 0;
     for (const double n : saved.at("sample_count"))
         taken += static_cast<std::uint64_t>(n);

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "film/film.h"
-#include "guiding/vsp_buffer.h"
 #include "integrators/integrator.h"
+#include "learning.h"
 #include "scene/pixel_filter.h"
 #include "scene/scene.h"
 
@@ -66,12 +66,21 @@ class Render {
     /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do
     /// not fit.
     void restore(const std::map<std::string, std::vector<double>>& saved);
+    /// What it learned, for another render; not while it runs.
+    std::map<std::string, std::vector<double>> knowledge() const { return learning_.knowledge(); }
+    /// Starts from what another learned; see Learning.
+    std::string inherit(const std::map<std::string, std::vector<double>>& knowledge);
+    const GuidingField* field() const { return learning_.field(); }
+    /// What the field is used for, once that is decided; not while it runs.
+    std::optional<Techniques> techniques() const { return learning_.chosen(); }
 
   private:
     void run();
     void render_pass(int target);
     void render_tile(int tile, int target);
     void render_pixel(int x, int y, int target, Workspace& ws);
+    std::uint32_t number_of_pixel(int x, int y) const;
+    std::uint64_t number_of_path(int x, int y, std::uint32_t index) const;
     PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                             Workspace& ws) const;
     void learn();
@@ -86,8 +95,7 @@ class Render {
     PixelFilter filter_;
     SampleRequest request_;
     SampleFunction kernel_;
-    std::optional<VspBuffer> guiding_;
-    int learned_at_ = 0;  // samples per pixel when the guiding learned last
+    Learning learning_;
 
     std::thread thread_;
     std::atomic<State> state_{State::idle};

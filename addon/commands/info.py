@@ -66,6 +66,7 @@ def describe(scene):
         "settings": scene.settings,
         "kernel_features": list(features["kernel_features"]),
         "left_out": list(features["left_out"]),
+        "guiding_field": dict(features["guiding_field"]),
         "warnings": list(scene.warnings),
     }
 
@@ -110,5 +111,7 @@ def print_text(report):
     print(f"settings other than default: {', '.join(changed) or 'none'}")
     print(f"kernel features: {', '.join(report['kernel_features']) or 'none'}")
     print(f"left out: {', '.join(report['left_out']) or 'nothing'}")
+    field = report["guiding_field"]
+    print(f"guiding field: {'trained' if field['trains'] else 'none'} ({field['reason']})")
     for warning in report["warnings"]:
         print(f"warning: {warning}")

@@ -37,6 +37,12 @@ def add_parser(subparsers):
     parser.add_argument(
         "--resume", action="store_true", help="go on from OUT.exr.checkpoint.npz; skip what is complete"
     )
+    parser.add_argument(
+        "--guiding-save", metavar="FILE", help="also save what was learned, for --guiding-load"
+    )
+    parser.add_argument(
+        "--guiding-load", metavar="FILE", help="start from what another render of these objects learned"
+    )
     parser.add_argument("--quiet", action="store_true", help="show no progress and no warnings")
     parser.add_argument(
         "--save-description", metavar="FILE", help="also save the scene, to render it without Blender"

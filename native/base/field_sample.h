@@ -14,6 +14,7 @@ struct FieldSample {
     float distance = kInfinity;  ///< along wi to the path's next event, m
     float pdf = 0;               ///< with which wi was drawn, 1/sr, whatever took part in it
     float scatter_pdf = 0;       ///< with which the BSDF or phase function alone draws wi, 1/sr
+    float guide_pdf = -1;        ///< with which the field alone would have drawn it, 1/sr; < 0: not asked
     float scattering = 0;        ///< BSDF times cosine, or phase function with albedo, 1/sr
     float light = 0;             ///< radiance that came along wi: an unbiased sample of what light sampling
                                  ///< at p leaves over

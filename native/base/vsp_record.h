@@ -14,6 +14,11 @@ struct VspRecord {
     float cost = 0;                               ///< work of the whole path
     float transmittance = 1, majorant_depth = 0;
     float distance = 1e10f;  ///< to what is behind, m
+    // Where the segment was walked to its end before the decision:
+    bool walked = false;
+    bool weighed = false;  ///< by a light estimate: the weights tell nothing of plain delta tracking
+    float volume_square = 0, surface_square = 0, both = 0;  ///< of the weights, and their product
+    float extra_work = 0;  ///< that plain delta tracking would have saved on the segment itself
 };
 
 }  // namespace nephele

@@ -36,6 +36,47 @@ nb::object array(std::vector<T> values, std::initializer_list<std::size_t> shape
     return nb::cast(nb::ndarray<nb::numpy, T>(held->data(), shape.size(), shape.begin(), owner));
 }
 
+using Sums = std::map<std::string, std::vector<double>>;
+
+nb::dict arrays(Sums sums) {
+    nb::dict out;
+    for (auto& [name, values] : sums) {
+        const std::size_t size = values.size();
+        out[name.c_str()] = array(std::move(values), {size});
+    }
+    return out;
+}
+
+Sums values_of(const nb::dict& saved) {
+    Sums values;
+    for (auto [key, item] : saved) {
+        nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> view;
+        const auto name = nb::cast<std::string>(key);
+        if (!nb::try_cast(item, view, false))
+            throw std::invalid_argument("entry '" + name + "' is not a float64 array");
+        values[name].assign(view.data(), view.data() + view.size());
+    }
+    return values;
+}
+
+nb::dict told(const FieldDecision& decision) {
+    nb::dict out;
+    out["trains"] = decision.trains;
+    out["reason"] = decision.reason;
+    return out;
+}
+
+nb::list uses(const Techniques& techniques) {
+    nb::list out;
+    if (techniques.directions)
+        out.append("directions");
+    if (techniques.segments)
+        out.append("segments");
+    if (techniques.roulette)
+        out.append("roulette");
+    return out;
+}
+
 class Renderer {
   public:
     explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
@@ -96,6 +137,13 @@ class Renderer {
         out["train_seconds"] = s.train_seconds;
         out["first_tile_seconds"] = s.first_tile_seconds;
         out["embree_bytes"] = scene_->hierarchy_bytes();
+        nb::dict field = told(decide_field(*scene_, settings_));
+        field["regions"] = render_->field() ? render_->field()->regions() : 0;
+        field["bytes"] = render_->field() ? render_->field()->memory() : 0;
+        field["uses"] = nb::none();
+        if (const auto chosen = render_->techniques())
+            field["uses"] = uses(*chosen);
+        out["guiding_field"] = field;
         nb::list grids;
         for (const GridUse& g : scene_->grids()) {
             nb::dict row;
@@ -110,24 +158,10 @@ class Renderer {
         return out;
     }
 
-    nb::dict checkpoint() const {
-        nb::dict out;
-        for (auto& [name, values] : render_->save())
-            out[name.c_str()] = array(std::vector(values), {values.size()});
-        return out;
-    }
-
-    void restore(const nb::dict& saved) {
-        std::map<std::string, std::vector<double>> values;
-        for (auto [key, item] : saved) {
-            nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> view;
-            const auto name = nb::cast<std::string>(key);
-            if (!nb::try_cast(item, view, false))
-                throw std::invalid_argument("checkpoint entry '" + name + "' is not a float64 array");
-            values[name].assign(view.data(), view.data() + view.size());
-        }
-        render_->restore(values);
-    }
+    nb::dict checkpoint() const { return arrays(render_->save()); }
+    void restore(const nb::dict& saved) { render_->restore(values_of(saved)); }
+    nb::dict knowledge() const { return arrays(render_->knowledge()); }
+    std::string inherit(const nb::dict& knowledge) { return render_->inherit(values_of(knowledge)); }
 
   private:
     Settings settings_;
@@ -142,11 +176,13 @@ void bind_renderer(nb::module_& m) {
     m.def(
         "scene_features",
         [](nb::handle description) {
-            const Scene scene(scene_source_of(description), settings_of(description.attr("settings")));
+            const Settings settings = settings_of(description.attr("settings"));
+            const Scene scene(scene_source_of(description), settings);
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
             out["left_out"] = scene.features().list(false);
             out["warnings"] = scene.warnings();
+            out["guiding_field"] = told(decide_field(scene, settings));
             return out;
         },
         nb::arg("scene"),
@@ -169,6 +205,13 @@ void bind_renderer(nb::module_& m) {
         .def("checkpoint", &Renderer::checkpoint, "dict name -> float64 sums, for `restore`.")
         .def("restore", &Renderer::restore, nb::arg("saved"),
              "Takes up a checkpoint before `start`. Raises ValueError where it does not fit.")
+        .def("knowledge", &Renderer::knowledge,
+             "dict name -> float64 array: what it learned, for `inherit` of another render. Not while it "
+             "runs.")
+        .def(
+            "inherit", &Renderer::inherit, nb::arg("knowledge"),
+            "Starts from what another render learned, before `start`. Returns what was taken over, in words. "
+            "Raises ValueError where it does not fit.")
         .def_prop_ro("warnings", &Renderer::warnings,
                      "What was left out or mended while building, one sentence each.");
 }

@@ -29,6 +29,7 @@ struct PixelSample {
     float vsp_target = 0;      ///< probability of scattering that this sample was given; 0 where none was
     float vsp_achieved = 0;    ///< 1 where the path's first event was in a volume
     float majorant_depth = 0;  ///< integral of the majorants up to the first surface
+    float work = 0;            ///< of the path, see SegmentGuiding
     VspRecord vsp;
 };
 

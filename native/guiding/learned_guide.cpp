@@ -12,26 +12,88 @@ void add_branch(BranchSums& sums, float weight, bool taken, const VspRecord& rec
         return;
     sums.taken += 1;
     sums.cost += record.cost;
-    if (weight > 0) {
-        // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
-        constexpr float kLargest = 1e15f;
-        const float light = std::min(record.light, kLargest);
-        const float square = std::min(record.light * record.light * record.probability / weight, kLargest);
-        sums.light += light;
-        sums.light2 += light * light;
-        sums.square += square;
-        sums.square2 += square * square;
-    }
+    if (weight > 0)
+        add_light(sums, record.light, record.light * record.light * record.probability / weight);
 }
 
+void add_means(RayMeans& means, const VspRecord& record, float share) {
+    constexpr float kLargest = 1e6f;
+    means.samples += share;
+    means.transmittance += share * record.transmittance;
+    means.volume_weight += share * record.volume_weight;
+    means.surface_weight += share * record.surface_weight;
+    if (!record.walked)
+        return;
+    means.depths += share;
+    means.majorant_depth += share * std::min(record.majorant_depth, kLargest);
+    if (record.weighed)
+        return;
+    means.walks += share;
+    means.volume_square += share * std::min(record.volume_square, kLargest);
+    means.surface_square += share * std::min(record.surface_square, kLargest);
+    means.both += share * std::min(record.both, kLargest);
+    means.extra_work += share * record.extra_work;
+}
+
+namespace {
+
+constexpr float RayMeans::*kMeans[] = {
+    &RayMeans::samples,        &RayMeans::transmittance, &RayMeans::majorant_depth, &RayMeans::volume_weight,
+    &RayMeans::surface_weight, &RayMeans::walks,         &RayMeans::volume_square,  &RayMeans::surface_square,
+    &RayMeans::both,           &RayMeans::extra_work,    &RayMeans::depths};
+
+}  // namespace
+
+void add_means(RayMeans& means, const RayMeans& others) {
+    for (float RayMeans::*member : kMeans)
+        means.*member += others.*member;
+}
+
+RayMeans thinned(RayMeans means, float share) {
+    for (float RayMeans::*member : kMeans)
+        means.*member *= share;
+    return means;
+}
+
+namespace {
+
+/// Share of the segments to walk to their ends before deciding. Walking pays where it lowers the product of
+/// variance and work against plain delta tracking, which has the second moment V v^2 + T s^2, v and s being
+/// root mean squares of the branches' radiances; deciding by a whole stream has (V v + T s)^2.
+float walk_share(const RayMeans& near, const Pooled& volume, const Pooled& surface, float trial) {
+    constexpr float kEnough = 16;  // walks, that tell enough
+    if (near.walks < kEnough || !(volume.known > 0.5f) || !(surface.known > 0.5f))
+        return trial;
+    const double n = double{near.samples}, walks = double{near.walks};
+    const double V = double{near.volume_weight} / n, T = double{near.surface_weight} / n;
+    const double v2 = double{volume.light} * double{volume.light} * (1 + double{volume.noise});
+    const double s2 = double{surface.light} * double{surface.light} * (1 + double{surface.noise});
+    const double mean = V * double{volume.light} + T * double{surface.light};
+    const double decided = (v2 * double{near.volume_square} + s2 * double{near.surface_square} +
+                            2 * std::sqrt(v2 * s2) * double{near.both}) /
+                           walks;
+    const double walk_variance = std::max(decided - mean * mean, 0.0);
+    const double plain_variance = V * v2 + T * s2 - mean * mean;
+    const double towards_volume = V * std::sqrt(v2), towards_surface = T * std::sqrt(s2);
+    const double share = towards_volume / std::max(towards_volume + towards_surface, 1e-300);
+    const double walk_work = share * double{volume.cost} + (1 - share) * double{surface.cost};
+    const double plain_work =
+        (1 - T) * double{volume.cost} + T * double{surface.cost} - double{near.extra_work} / walks;
+    return walk_variance * walk_work < plain_variance * std::max(plain_work, 0.0) ? 1 : 0;
+}
+
+}  // namespace
+
 VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,
-                       const Pooled& surface) {
+                       const Pooled& surface, float trial) {
     VspGuide guide;
     if (!(near.samples > 0))
         return guide;
     guide.transmittance = near.transmittance / near.samples;
-    guide.majorant_depth = near.majorant_depth / near.samples;
+    if (near.depths > 0)
+        guide.majorant_depth = near.majorant_depth / near.depths;
     guide.surface_noise = surface.noise;
+    guide.walk_share = walk_share(near, volume, surface, trial);
     constexpr float kLargest = 1e30f;  // per tiny weights
     float v = std::min(volume.light, kLargest), s = std::min(surface.light, kLargest);
     if (settings.vsp_criterion == Settings::VspCriterion::variance) {

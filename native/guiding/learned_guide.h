@@ -13,13 +13,23 @@ namespace nephele {
 struct RayMeans {
     float samples = 0, transmittance = 0, majorant_depth = 0;
     float volume_weight = 0, surface_weight = 0;
+    float depths = 0;  ///< samples that know the majorants' depth
+    // Of those that were walked to their ends before the decision, by weights as they are; see VspRecord:
+    float walks = 0, volume_square = 0, surface_square = 0, both = 0, extra_work = 0;
 };
+
+/// Adds a sample, or `share` of one.
+void add_means(RayMeans& means, const VspRecord& record, float share = 1);
+void add_means(RayMeans& means, const RayMeans& others);
+/// The means as if of `share` as many samples.
+RayMeans thinned(RayMeans means, float share);
 
 /// Adds a sample to one branch's sums. weight: the branch's, taken or not; `taken`: it is the record's.
 void add_branch(BranchSums& sums, float weight, bool taken, const VspRecord& record);
 
-/// The guide that both branches' estimates ask for. Without samples: delta tracking's probabilities.
+/// The guide that both branches' estimates ask for. Without samples: delta tracking's probabilities. trial:
+/// share of the segments to walk to their ends until it is known whether that pays.
 VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,
-                       const Pooled& surface);
+                       const Pooled& surface, float trial);
 
 }  // namespace nephele

@@ -74,6 +74,40 @@ void blend(const BranchSums& s, bool last, Pooled& out, float& rest) {
 
 }  // namespace
 
+void add_light(BranchSums& sums, float light, float square) {
+    // What the sun's disc leaves must not overflow in sums of squares, of which a NaN would spread.
+    constexpr float kLargest = 1e15f;
+    light = std::min(light, kLargest);
+    square = std::min(square, kLargest);
+    sums.light += light;
+    sums.light2 += light * light;
+    sums.square += square;
+    sums.square2 += square * square;
+}
+
+Pooled pooled_alone(const BranchSums& sums) {
+    Pooled out;
+    const float n = effective_samples(sums);
+    out.known = n / (n + kEnoughSamples);
+    if (sums.taken > 0)
+        out.cost = sums.cost / sums.taken;
+    if (!(sums.weight > 0))
+        return out;
+    out.light = sums.light / sums.weight;
+    const double mean2 = double{out.light} * double{out.light};
+    const double square = double{sums.square} / double{sums.weight};
+    if (mean2 > 0)
+        out.noise = static_cast<float>(std::clamp(square / mean2 - 1, 0.0, 1e30));
+    return out;
+}
+
+BranchSums thinned(BranchSums sums, float share) {
+    for (float* value :
+         {&sums.weight, &sums.light, &sums.light2, &sums.square, &sums.square2, &sums.cost, &sums.taken})
+        *value *= share;
+    return sums;
+}
+
 std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums,
                          std::span<const float> feature) {
     const Image image{width, height, feature};
@@ -99,6 +133,24 @@ std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums,
             out[i].cost /= given;
         }
     }
+    return out;
+}
+
+std::vector<Pooled> pool_with_noise(int width, int height, std::vector<BranchSums> sums,
+                                    std::span<const float> feature) {
+    std::vector<Pooled> out = pool(width, height, sums, feature);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        // In doubles: the fourth power of a dim radiance is no float.
+        const double mean2 = double{out[i].light} * double{out[i].light};
+        const auto relative = [&](float sum, double unit) {
+            return unit > 0 ? static_cast<float>(std::min(double{sum} / unit, 1e30)) : 0;
+        };
+        sums[i].light = relative(sums[i].square, mean2);
+        sums[i].light2 = relative(sums[i].square2, mean2 * mean2);
+    }
+    const std::vector<Pooled> noise = pool(width, height, std::move(sums), feature);
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i].noise = std::max(noise[i].light - 1, 0.0f);
     return out;
 }
 

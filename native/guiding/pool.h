@@ -21,6 +21,12 @@ struct BranchSums {
     float cost = 0, taken = 0;
 };
 
+/// Adds a sample's light, and its square, both per unit of weight.
+void add_light(BranchSums& sums, float light, float square);
+
+/// The sums as if of `share` as many samples, in (0, 1].
+BranchSums thinned(BranchSums sums, float share);
+
 /// Estimates for one pixel.
 struct Pooled {
     float light = 0;  ///< per unit of weight
@@ -29,8 +35,15 @@ struct Pooled {
     float noise = 0;  ///< variance of the light, relative to its square
 };
 
+/// The estimates of one set of sums by itself, noise included.
+Pooled pooled_alone(const BranchSums& sums);
+
 /// `sums`, `feature`: of width x height pixels. Differences of the feature well below 0.1 are none, well
 /// above are edges; empty: there are no edges. Never NaN: without any sample the light is 0.
 std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums, std::span<const float> feature);
+/// The same, with the noise. Squares are pooled relative to the pixel's mean: as they are, the brightest
+/// pixels around would outweigh all others.
+std::vector<Pooled> pool_with_noise(int width, int height, std::vector<BranchSums> sums,
+                                    std::span<const float> feature);
 
 }  // namespace nephele

@@ -33,16 +33,19 @@ class VspBuffer {
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
     void restore(const std::map<std::string, std::vector<double>>& saved);
+    /// Starts from what another image of this size saved, as if from `samples` a pixel at most. Returns false
+    /// where there is none.
+    bool inherit(const std::map<std::string, std::vector<double>>& saved, float samples);
 
   private:
     struct Pixel {
         BranchSums volume, surface;
-        float samples = 0, transmittance = 0, majorant_depth = 0, log_distance = 0;
+        RayMeans rays;
+        float log_distance = 0;
     };
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    std::vector<Pooled> estimate(std::vector<BranchSums> sums, std::span<const float> feature) const;
     void learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface);
     RayMeans around(int x, int y) const;
 

@@ -4,19 +4,31 @@
 // (plain.cpp), which the tests hold it against.
 #pragma once
 
+#include "base/field_sample.h"
 #include "film/film.h"
+#include "guiding/field.h"
+#include "guiding/techniques.h"
 #include "scene/scene.h"
 #include "tracking/free_flight.h"
 #include "tracking/vsp.h"
 
 namespace nephele {
 
+struct OpenSegment;  // integrators/path_state.h
+
 /// Memory and counts of one render thread.
 struct Workspace {
     TrackingScratch tracking;
     Segment segment, shadow;
+    std::vector<OpenSegment> open;     ///< segments of the path so far; see PathRecord
+    std::vector<FieldSample> lessons;  ///< what paths taught the field
+    std::uint64_t vertices = 0;        ///< that could have taught it, whether their path was asked or not
+    Trial trial{};
     Counters counters;
     std::uint64_t nonfinite_samples = 0;
+
+    Workspace();
+    ~Workspace();
 };
 
 /// What a sample computes besides the radiance: only what some pass asks for.
@@ -25,7 +37,14 @@ struct SampleRequest {
     bool majorant_depth = false;
     bool features = false;  ///< depth, normal, albedo, mist
     bool transparent_film = false;
-    const VspGuide* guide = nullptr;  ///< of the pixel; none: camera rays are not guided
+    const VspGuide* guide = nullptr;      ///< of the pixel; none: camera rays are not guided
+    const GuidingField* field = nullptr;  ///< of all later segments; none: they are not guided
+    Techniques use;                       ///< of the field
+    int set = 0;                          ///< number of `use` among those on trial
+    bool teaches = false;                 ///< the path's vertices are lessons for the field
+    std::uint64_t key = 0;                ///< number of the path among all, for lessons
+    float worth = 0;  ///< mean radiance of the pixel times the image's relative noise per root of work: what
+                      ///< a branch has to bring per root of its work (roulette.h); 0: unknown
 };
 
 /// Traces one path from the camera.

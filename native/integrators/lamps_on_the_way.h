@@ -31,6 +31,8 @@ class LampsOnTheWay {
     explicit LampsOnTheWay(Vec3f vertex) : vertex_(vertex) {}
 
     Vec3f vertex() const { return vertex_; }
+    /// From the vertex to where the ray starts.
+    float travelled() const { return travelled_; }
     /// The ray starts anew, so much farther on.
     void advance(float step) { travelled_ += step; }
     /// Takes note of a lamp's place as it was found: a rounded one could be met for ever.

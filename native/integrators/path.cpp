@@ -1,59 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The path tracer: null-collision free flights, next-event estimation at every vertex in volumes and on
 // surfaces, multiple importance sampling (power heuristic) between light sampling and scattering, Russian
-// roulette.
+// roulette and splitting. What was learned so far, by the pixel and by the guiding field, may guide every one
+// of these decisions.
 //
 // A path is a walk of segments. Each runs from the last vertex to the next surface, lamp or the world; on it
 // the path either scatters in a volume or arrives at the end. Lamps are transparent to rays: they add their
 // light and the ray goes on.
-#include "integrators/direct_light.h"
-#include "integrators/lamps_on_the_way.h"
-#include "integrators/phase_mixture.h"
+#include "integrators/path_light.h"
 #include "integrators/primary.h"
-#include "integrators/primary_guiding.h"
+#include "integrators/roulette.h"
 
 namespace nephele {
 
 namespace {
 
 template <bool kMedia>
-class Path {
+class Path : private PathLight {
   public:
-    Path(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
-         PathSampler& sampler, Workspace& ws)
-        : scene_(scene),
-          settings_(settings),
-          request_(request),
-          sampler_(sampler),
-          ws_(ws),
-          guiding_(settings, request.guide),
-          ray_(ray) {}
+    using PathLight::PathLight;
 
     PixelSample trace() {
+        std::optional<VspGuide> guide;
+        if (request_.guide)
+            guide = *request_.guide;
+        record_.open({SegmentGuiding(settings_, guide, 1)}, light());
         while (extend()) {
         }
-        out_.vsp_achieved = first_ == First::volume;
-        if (guiding_.active())
-            guiding_.finish(out_.volume - undecided_, out_.surface, gathered_, ws_.counters, out_);
+        record_.close(1, light());
+        out_.vsp_achieved = walk_.first == Walk::First::volume;
+        out_.work = record_.close_camera(light(), out_.vsp, out_.vsp_target);
         return out_;
     }
 
   private:
-    /// One segment; false where the path ends.
+    /// Of a direction, as in FieldSample.
+    struct Densities {
+        float pdf = 0, scatter_pdf = 0, guide_pdf = -1, scattering = 0;
+    };
+    /// A vertex and the direction in which the path leaves it.
+    struct Departed {
+        Vec3f o, vertex;  ///< start of the ray, and the vertex itself
+        Vec3f wi;
+        Densities densities;
+        bool specular;
+        std::uint32_t kind;
+        bool in_volume;
+    };
+
+    /// One segment; false where the branch ends.
     bool extend() {
         ++ws_.counters.rays;
-        const Hit hit = scene_.intersect(ray_, kind_);
-        const float end = std::min(hit.t, ray_.t_max);
+        const Hit hit = scene_.intersect(walk_.ray, walk_.kind);
+        const float end = std::min(hit.t, walk_.ray.t_max);
         const LampHit lamp = nearest_lamp(end);
-        if (kind_ == kCameraRay && !primary_done_) {
+        if (walk_.kind == kCameraRay && !primary_done_) {
             primary_done_ = true;
-            record_transmittance(scene_, settings_, request_, ray_.part(ray_.t_min, end), sampler_, ws_,
-                                 out_);
-            guiding_.start(ws_.counters);
+            record_transmittance(scene_, settings_, request_, walk_.ray.part(walk_.ray.t_min, end), sampler_,
+                                 ws_, out_);
+            record_.start();  // what passes ask for does not count as the path's work
         }
         if constexpr (kMedia) {
-            scene_.find_media(ray_.part(ray_.t_min, std::min(end, lamp.distance)), kind_, ws_.segment);
-            if (request_.features && first_ == First::none && hit.valid())
+            scene_.find_media(walk_.ray.part(walk_.ray.t_min, std::min(end, lamp.distance)), walk_.kind,
+                              ws_.segment);
+            if (request_.features && walk_.first == First::none && hit.valid())
                 record_surface(scene_, shading(hit), out_, recorded_);
             if (!ws_.segment.empty()) {
                 const Flight flight = fly(end);
@@ -73,229 +83,226 @@ class Path {
 
     /// The flight through the segment's media, whose ray ends after `distance`.
     Flight fly(float distance) {
-        if (kind_ != kCameraRay || !guiding_.active())
-            return sample_flight(ws_.segment, ws_.tracking, settings_, beta_, sampler_.rng(), ws_.counters);
-        if (!guiding_.resamples())
-            return guiding_.normalized_flight(beta_, distance, sampler_, ws_);
-        const Stream stream = guiding_.walk(scene_, beta_, sampler_, ws_);
-        const float p = guiding_.probability(stream);
-        gathered_ = Rgb(0);
-        const bool gathers = guiding_.gathers(p);
+        OpenSegment* segment = record_.current();
+        if (!segment)
+            return sample_flight(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
+                                 ws_.counters);
+        SegmentGuiding& guiding = segment->guiding;
+        if (!guiding.active())
+            return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
+        if (!guiding.resamples())
+            return guiding.normalized_flight(walk_.beta, distance, sampler_, ws_);
+        if (!guiding.walks(sampler_.rng()))
+            return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
+        const Stream stream = guiding.walk(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
+        const float p = guiding.probability(stream);
+        segment->gathered = Rgb(0);
+        const bool gathers = guiding.gathers(p);
         if (gathers)
-            gather(stream);
-        const Flight flight = guiding_.decide(stream, p, beta_, distance, sampler_.rng());
-        lit_ = gathers && flight.event == Flight::Event::scattered;
+            gather(stream, *segment);
+        const Flight flight = guiding.decide(stream, p, walk_.beta, distance, sampler_.rng());
+        walk_.lit = gathers && flight.event == Flight::Event::scattered;
         return flight;
     }
 
     /// Takes direct light at a stream's candidate, wherever the path goes.
-    void gather(const Stream& stream) {
-        const Rgb beta = beta_, before = out_.volume;
-        beta_ = stream.volume;
-        first_ = First::volume;
-        light_volume(ray_.at(stream.t), PhaseMixture(ws_.tracking.shares, beta_));
-        first_ = First::none;
-        beta_ = beta;
-        gathered_ = out_.volume - before;
-        undecided_ += gathered_;
+    void gather(const Stream& stream, OpenSegment& segment) {
+        const Rgb beta = walk_.beta, before = light();
+        const First first = walk_.first;
+        walk_.beta = stream.volume;
+        if (first == First::none)
+            walk_.first = First::volume;
+        const Vec3f p = walk_.ray.at(stream.t);
+        const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
+        light_volume(p, phase, guide_in_volume(region_at(p, true), p));
+        walk_.first = first;
+        walk_.beta = beta;
+        segment.gathered = light() - before;
+        segment.undecided += segment.gathered;
     }
-
-    /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
-    LampHit nearest_lamp(float end) const {
-        if (kind_ == kCameraRay || !scene_.features().lamps)
-            return {};
-        return way_.nearest(scene_.lights(), ray_, kind_, bounces_, end);
-    }
-
-    bool pass_lamp(const LampHit& lamp) {
-        add(beta_ * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
-        way_.pass(lamp);
-        ray_.t_min = std::max(lamp.distance, ray_.t_min);
-        return true;
-    }
-
-    bool escape() {
-        if (kind_ == kCameraRay && request_.transparent_film) {
-            out_.alpha = 1 - mean(beta_);
-            return false;
-        }
-        add_suns();
-        const Rgb Le = scene_.background(ray_.d, kind_);
-        if (is_zero(Le))
-            return false;
-        const std::uint32_t number = scene_.lights().world_number();
-        add(beta_ * Le * mis_weight(number, [&] { return scene_.lights().world()->pdf(ray_.d); }));
-        return false;
-    }
-
-    /// Lamps at infinity that this direction meets.
-    void add_suns() {
-        if (kind_ == kCameraRay || !scene_.features().lamps)
-            return;
-        scene_.lights().for_each_lamp_hit({ray_.o, ray_.d}, [&](std::uint32_t number, const LightHit& hit) {
-            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number), kind_, bounces_))
-                return;
-            add(beta_ * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
-        });
-    }
-
-    /// Weight of light that scattering found, against light sampling at the last vertex.
-    template <class Pdf>
-    float mis_weight(std::uint32_t light, Pdf&& pdf) const {
-        if (previous_specular_ || (light_visibility(scene_, light) & sampling_kind(kind_)) == 0)
-            return 1;
-        return power_heuristic(previous_pdf_, scene_.lights().selection_pdf(way_.vertex(), light) * pdf());
-    }
-
-    ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, ray_, kind_); }
 
     bool scatter_in_volume(const Flight& flight) {
-        const Vec3f p = ray_.at(flight.t), wo = -ray_.d;
-        if (first_ == First::none) {
-            first_ = First::volume;
+        const Vec3f p = walk_.ray.at(flight.t);
+        record_.arrive(walk_.way.travelled() + flight.t);
+        if (walk_.first == First::none) {
+            walk_.first = First::volume;
             out_.volume_albedo = flight.albedo;
         }
-        if (bounces_ > settings_.max_bounces || volume_bounces_ > settings_.volume_bounces)
+        if (walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces)
             return false;
-        const PhaseMixture phase(ws_.tracking.shares, beta_);
-        if (!lit_)
-            light_volume(p, phase);
-        lit_ = false;
-        const Vec2f u = sampler_.next2();
-        const Vec3f wi = phase.sample(wo, ws_.tracking.shares.size() > 1 ? sampler_.rng().next() : 0, u);
-        float pdf = 0;
-        const Rgb f = phase.eval(wo, wi, pdf);
-        beta_ *= f / pdf;
-        ++volume_bounces_;
-        return continue_from(p, wi, p, pdf, false, kVolumeRay);
+        const FieldRegion* region = region_at(p, true);
+        const DirectionGuide guide = guide_in_volume(region, p);
+        const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
+        if (!walk_.lit)
+            light_volume(p, phase, guide);
+        walk_.lit = false;
+        const int branches = roulette(region);
+        if (branches <= 1)
+            return branches == 1 && leave_volume(p, phase, guide, region);
+        const std::vector<ScatterShare> shares = ws_.tracking.shares;  // which the branches overwrite
+        const PhaseMixture kept(shares, walk_.beta);
+        return branch(branches, [&] { return leave_volume(p, kept, guide, region); });
     }
 
-    void light_volume(Vec3f p, const PhaseMixture& phase) {
-        const auto direct = sample_direct(scene_, p, kVolumeRay, bounces_, sampler_);
-        if (!direct)
-            return;
-        float pdf = 0;
-        const Rgb f = phase.eval(-ray_.d, direct->light.wi, pdf);
-        add_direct(*direct, p, f, pdf);
+    /// Goes on from a point in a volume.
+    bool leave_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide,
+                      const FieldRegion* region) {
+        const Vec3f wo = -walk_.ray.d;
+        const Vec2f u = sampler_.next2();
+        Vec3f wi;
+        if (guide.active() && sampler_.rng().next() < guide.share()) {
+            wi = guide.sample(sampler_.rng().next(), u);
+        } else {
+            wi = phase.sample(wo, phase.several() ? sampler_.rng().next() : 0, u);
+        }
+        float scatter_pdf = 0;
+        const Rgb f = phase.eval(wo, wi, scatter_pdf);
+        const float guide_pdf = guide.pdf(wi), pdf = guide.mixed(scatter_pdf, guide_pdf);
+        const float before = mean(walk_.beta);
+        walk_.beta *= f / pdf;
+        ++walk_.volume_bounces;
+        const Densities densities{pdf, scatter_pdf, guide_pdf, mean(walk_.beta) * pdf / before};
+        return continue_from({p, p, wi, densities, false, kVolumeRay, true}, region);
     }
 
     bool meet_surface(const ShadingPoint& point) {
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
-        if (!kMedia && request_.features && first_ == First::none)
+        if (!kMedia && request_.features && walk_.first == First::none)
             record_surface(scene_, point, out_, recorded_);
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
         const bool exhausted =
-            bounces_ > settings_.max_bounces || surface_bounces_ > settings_.surface_bounces;
+            walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
+        const FieldRegion* region = bsdf.has_smooth() && !exhausted ? region_at(point.p, false) : nullptr;
+        const DirectionGuide guide = guide_at(region, point.p);
         if (!exhausted && bsdf.has_smooth())
-            light_surface(point, bsdf);
-        const Vec2f lobe_u = sampler_.next2(), u = sampler_.next2();
-        const auto sample = bsdf.sample(point.wo, lobe_u.x, u);
+            light_surface(point, bsdf, guide);
+        const int branches = exhausted ? 1 : roulette(region);
+        if (branches <= 1)
+            return branches == 1 && leave_surface(point, bsdf, guide, region, exhausted);
+        return branch(branches, [&] { return leave_surface(point, bsdf, guide, region, exhausted); });
+    }
+
+    /// Goes on from a surface, straight through it where it is transparent there.
+    bool leave_surface(const ShadingPoint& point, const Bsdf& bsdf, const DirectionGuide& guide,
+                       const FieldRegion* region, bool exhausted) {
+        const auto sample = sample_surface(point, bsdf, guide);
         if (!sample || is_zero(sample->weight))
             return false;
-        beta_ *= sample->weight;
+        const float before = mean(walk_.beta);
+        walk_.beta *= sample->weight;
         if (sample->kind == 0) {  // straight through: no event
             const Vec3f o = offset_point(point.p, -point.ng);
-            const float step = length(o - ray_.o);
-            way_.advance(step);
-            ray_ = {o, ray_.d, 0, ray_.t_max - step, ray_.time};
+            const float step = length(o - walk_.ray.o);
+            walk_.way.advance(step);
+            walk_.ray = {o, walk_.ray.d, 0, walk_.ray.t_max - step, walk_.ray.time};
             return true;
         }
         if (exhausted)
             return false;
-        if (first_ == First::none)
-            first_ = First::surface;
-        ++surface_bounces_;
+        record_.arrive(walk_.way.travelled() + length(point.p - walk_.ray.o));
+        if (walk_.first == First::none)
+            walk_.first = First::surface;
+        ++walk_.surface_bounces;
         const auto from = scene_.departure(point, sample->wi, sample->crosses);
-        return continue_from(from.o, sample->wi, from.vertex, sample->pdf, sample->specular, sample->kind);
+        Densities densities = drawn_;
+        densities.scattering = mean(walk_.beta) * drawn_.pdf / before;
+        return continue_from(
+            {from.o, from.vertex, sample->wi, densities, sample->specular, sample->kind, false}, region);
     }
 
-    void light_surface(const ShadingPoint& point, const Bsdf& bsdf) {
-        const auto direct = sample_direct(scene_, point.p, kDiffuseRay, bounces_, sampler_);
-        if (!direct)
-            return;
-        float pdf = 0;
-        bool crosses = false;
-        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf, crosses);
-        if (is_zero(f))
-            return;
-        const First before = first_;
-        if (first_ == First::none)
-            first_ = First::surface;
-        add_direct(*direct, scene_.departure(point, direct->light.wi, crosses).o, f, pdf);
-        first_ = before;
-    }
-
-    void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
-        const Rgb T = shadow_transmittance(scene_, settings_, p, ray_.time, direct, sampler_, ws_);
-        if (is_zero(T))
-            return;
-        const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
-        add(beta_ * f * T * direct.light.Li * (weight / direct.light.pdf));
-    }
-
-    void add_surface_emission(const ShadingPoint& point, Rgb Le) {
-        const std::uint32_t number = scene_.light_of_instance(scene_.number_of(*point.instance));
-        float weight = 1;
-        if (number != Scene::kNoLight) {
-            weight = mis_weight(number, [&] {
-                return scene_.lights().mesh(number).pdf(point.triangle, way_.vertex(), point.p);
-            });
+    /// A direction from the BSDF or the guide, whose densities are in drawn_; the sample's is that of both.
+    std::optional<BsdfSample> sample_surface(const ShadingPoint& point, const Bsdf& bsdf,
+                                             const DirectionGuide& guide) {
+        const Vec2f lobe_u = sampler_.next2(), u = sampler_.next2();
+        if (!guide.active()) {
+            const auto sample = bsdf.sample(point.wo, lobe_u.x, u);
+            if (sample)
+                drawn_ = {sample->pdf, sample->pdf};
+            return sample;
         }
-        add(beta_ * Le * weight);
-        if (bounces_ == 0)
-            out_.emission += beta_ * Le;
+        const bool guided = sampler_.rng().next() < guide.share();
+        auto sample = guided ? bsdf.at(point.wo, guide.sample(sampler_.rng().next(), u), lobe_u.x)
+                             : bsdf.sample(point.wo, lobe_u.x, u);
+        if (!sample)
+            return sample;
+        if (sample->specular) {
+            sample->weight /= 1 - guide.share();
+            return sample;
+        }
+        const float guide_pdf = guide.pdf(sample->wi), pdf = guide.mixed(sample->pdf, guide_pdf);
+        drawn_ = {pdf, sample->pdf, guide_pdf};
+        sample->weight *= sample->pdf / pdf;
+        sample->pdf = pdf;
+        return sample;
     }
 
-    void add_volume_emission(Rgb emitted) {
-        if (is_zero(emitted))
-            return;
-        (first_ == First::surface ? out_.surface : out_.volume) += emitted;
-        if (first_ == First::none)
-            undecided_ += emitted;
-        if (bounces_ == 0)
-            out_.emission += emitted;
+    /// How many branches leave a vertex: 1 where nothing is known of what they bring, and then plain roulette
+    /// may still end the path.
+    int roulette(const FieldRegion* region) {
+        const auto expected = expected_branches(request_, region, mean(walk_.beta));
+        walk_.weighed = expected.has_value();
+        if (!expected)
+            return 1;
+        walk_.beta /= *expected;
+        return static_cast<int>(*expected + sampler_.rng().next());
     }
 
-    void add(Rgb light) { (first_ == First::volume ? out_.volume : out_.surface) += light; }
+    /// Follows all branches but the last to their ends; the last is where the walk goes on, if it does.
+    template <class Leave>
+    bool branch(int branches, Leave&& leave) {
+        const Walk here = walk_;
+        for (int i = 1; i < branches; ++i) {
+            const std::size_t opened = record_.size();
+            bool goes_on = leave();
+            while (goes_on)
+                goes_on = extend();
+            record_.close(opened, light());
+            walk_ = here;
+        }
+        return leave();
+    }
 
     /// Starts the next segment, unless Russian roulette ends the path.
-    bool continue_from(Vec3f o, Vec3f wi, Vec3f vertex, float pdf, bool specular, std::uint32_t kind) {
-        ++bounces_;
-        if (bounces_ > settings_.roulette_depth) {
-            const float survive = std::min(1.0f, max_component(beta_));
+    bool continue_from(const Departed& from, const FieldRegion* region) {
+        if (request_.field && (request_.teaches || request_.use.segments))
+            open_segment(from, region);
+        else
+            record_.leave();
+        ++walk_.bounces;
+        if (!walk_.weighed && walk_.bounces > settings_.roulette_depth) {
+            const float survive = std::min(1.0f, max_component(walk_.beta));
             if (sampler_.rng().next() >= survive)
                 return false;
-            beta_ /= survive;
+            walk_.beta /= survive;
         }
-        ray_ = {o, wi, 0, kInfinity, ray_.time};
-        kind_ = kind;
-        way_ = LampsOnTheWay(vertex);
-        previous_pdf_ = pdf;
-        previous_specular_ = specular;
+        walk_.ray = {from.o, from.wi, 0, kInfinity, walk_.ray.time};
+        walk_.kind = from.kind;
+        walk_.way = LampsOnTheWay(from.vertex);
+        walk_.previous_pdf = from.densities.pdf;
+        walk_.previous_specular = from.specular;
         return true;
     }
 
-    const Scene& scene_;
-    const Settings& settings_;
-    const SampleRequest& request_;
-    PathSampler& sampler_;
-    Workspace& ws_;
-    PrimaryGuiding guiding_;
+    void open_segment(const Departed& from, const FieldRegion* region) {
+        std::optional<VspGuide> guide;
+        if (kMedia && region && request_.use.segments)
+            guide = region->vsp(from.wi);
+        OpenSegment segment{SegmentGuiding(settings_, guide, mean(walk_.beta))};
+        segment.vertex.p = from.vertex;
+        segment.vertex.wi = from.wi;
+        if (!from.specular) {
+            segment.vertex.pdf = from.densities.pdf;
+            segment.vertex.scatter_pdf = from.densities.scatter_pdf;
+            segment.vertex.guide_pdf = from.densities.guide_pdf;
+            segment.vertex.scattering = from.densities.scattering;
+        }
+        segment.vertex.in_volume = from.in_volume;
+        record_.open(segment, light());
+    }
 
-    Ray ray_;
-    std::uint32_t kind_ = kCameraRay;
-    Rgb beta_{1};
-    int bounces_ = 0, surface_bounces_ = 0, volume_bounces_ = 0;
-    enum class First { none, surface, volume } first_ = First::none;
-    LampsOnTheWay way_;  // from the last vertex
-    float previous_pdf_ = 0;
-    bool previous_specular_ = true;  // the camera: nothing else could have found what it sees
+    Densities drawn_;  // of the direction that sample_surface drew last
     bool primary_done_ = false, recorded_ = false;
-    bool lit_ = false;  // direct light was taken where the path scatters
-    Rgb gathered_;      // direct light at the last stream's candidate, taken in any case
-    Rgb undecided_;     // light of the volume that no decision had a part in, this included
-    PixelSample out_;
 };
 
 template <bool kMedia>
@@ -308,6 +315,9 @@ PixelSample sample_path(const Scene& scene, const Settings& settings, const Samp
 
 PixelSample sample_plain(const Scene&, const Settings&, const SampleRequest&, const Ray&, PathSampler&,
                          Workspace&);
+
+Workspace::Workspace() = default;
+Workspace::~Workspace() = default;
 
 SampleFunction choose_kernel(const Settings& settings, const SceneFeatures& features) {
     if (settings.integrator == Settings::Integrator::plain)

@@ -36,6 +36,8 @@ class PhaseMixture {
         return value;
     }
 
+    bool several() const { return shares_.size() > 1; }
+    /// choice: which of several, unused for one.
     Vec3f sample(Vec3f wo, float choice, Vec2f u) const {
         std::size_t i = 0;
         if (shares_.size() > 1) {

@@ -120,6 +120,10 @@ class PathSampler {
     }
     float next() { return next2().x; }
     Rng& rng() { return rng_; }
+    /// From here on this sample shares no structure with samples of other epochs. What a path learns from
+    /// earlier samples of its pixel must not depend on its own numbers: one point of a Sobol sequence tells
+    /// where the others are not. An epoch of 2^k samples from a multiple of 2^k on is a net by itself.
+    void enter_epoch(std::uint32_t epoch) { pixel_seed_ = hash_combine(pixel_seed_, 0xe90c4ull + epoch); }
     /// Numbers of their own for something beside the path, which must not shift the path's.
     Rng aside() const {
         return Rng(hash_combine(pixel_seed_, std::uint64_t{sample_} | std::uint64_t{1} << 32));

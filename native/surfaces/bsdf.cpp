@@ -100,6 +100,26 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     return BsdfSample{wi, f / pdf, pdf, false, drawn->kind, crosses};
 }
 
+std::optional<BsdfSample> Bsdf::at(Vec3f wo, Vec3f wi, float u) const {
+    BsdfSample out{wi, Rgb(0)};
+    const Rgb f = eval(wo, wi, out.pdf, out.crosses);
+    if (is_zero(f) || !(out.pdf > 0))
+        return std::nullopt;
+    out.weight = f / out.pdf;
+    float rest = u * out.pdf;
+    for (int i = 0; i < count_ && rest >= 0; ++i) {
+        const Lobe& l = lobe(i);
+        const Vec3f local_wi = l.frame.to_local(wi);
+        const float pdf =
+            std::visit([&](const auto& m) { return m.eval(l.frame.to_local(wo), local_wi).pdf; }, l.model);
+        if (!(l.probability * pdf > 0))
+            continue;
+        out.kind = std::visit([&](const auto& m) { return m.kind(local_wi); }, l.model);
+        rest -= l.probability * pdf;
+    }
+    return out;
+}
+
 Rgb Bsdf::albedo(Vec3f wo) const {
     Rgb sum;
     for (int i = 0; i < count_; ++i) {

@@ -33,6 +33,10 @@ class Bsdf {
     /// its kind and has not bounced. Returns nothing where the chosen lobe absorbs.
     std::optional<BsdfSample> sample(Vec3f wo, float lobe_u, Vec2f u) const;
 
+    /// The smooth sample that wi stands for where something else drew it; u picks its kind among the lobes as
+    /// sample() would have. Returns nothing where no lobe scatters there.
+    std::optional<BsdfSample> at(Vec3f wo, Vec3f wi, float u) const;
+
     /// Directional albedo (estimated for the rough lobes), without the straight-through share.
     Rgb albedo(Vec3f wo) const;
 

@@ -28,10 +28,12 @@ struct LobeSample {
     std::uint32_t kind = kDiffuseRay;
 };
 
-/// What every lobe offers. A specular lobe (a discrete set of directions) has eval() = 0.
+/// What every lobe offers. kind(wi): of the ray that it scatters along wi. A specular lobe (a discrete set of
+/// directions) has eval() = 0.
 template <typename L>
 concept LobeLike = requires(const L lobe, Vec3f wo, Vec3f wi, float choice, Vec2f u) {
     { lobe.specular() } -> std::same_as<bool>;
+    { lobe.kind(wi) } -> std::same_as<std::uint32_t>;
     { lobe.eval(wo, wi) } -> std::same_as<LobeValue>;
     { lobe.sample(wo, choice, u) } -> std::same_as<std::optional<LobeSample>>;
     {
@@ -42,6 +44,7 @@ concept LobeLike = requires(const L lobe, Vec3f wo, Vec3f wi, float choice, Vec2
 /// Lambert's diffuse reflection.
 struct Lambert {
     bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f) const { return Rgb(1); }
@@ -50,6 +53,7 @@ struct Lambert {
 /// Lambert's diffuse transmission.
 struct Translucent {
     bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kTransmissionRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f) const { return Rgb(1); }
@@ -64,6 +68,7 @@ struct RoughDiffuse {
     float roughness = 0;  ///< [0,1]
 
     bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
@@ -83,7 +88,7 @@ struct PlasticBase {
     PlasticBase(Rgb base_color, float eta, float roughness, bool nonlinear);
 
     bool specular() const { return false; }
-    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }  ///< of the ray that it scatters
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
@@ -100,6 +105,7 @@ struct Reflection {
     Rgb scale{1};  ///< compensates the energy that single scattering loses; 1 for none
 
     bool specular() const { return facets.specular(); }
+    std::uint32_t kind(Vec3f) const { return kGlossyRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
@@ -115,6 +121,7 @@ struct Dielectric {
     Rgb scale{1};  ///< as Reflection's
 
     bool specular() const { return facets.specular(); }
+    std::uint32_t kind(Vec3f wi) const { return wi.z > 0 ? kGlossyRay : kTransmissionRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;
@@ -131,6 +138,7 @@ struct Sheen {
     float scale = 1;  ///< towards this wo, so that the albedo is a wanted one; see make_sheen
 
     bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
     Rgb albedo(Vec3f wo) const;

@@ -28,6 +28,7 @@ struct Stream {
     Rgb emitted;  ///< gathered along the way, throughput included
     Rgb albedo;   ///< single-scattering albedo at t
     float majorant_depth = 0;  ///< of what varies, before rate_scale()
+    float plain_lookups = 0;   ///< that delta tracking is expected to need on the segment
 };
 
 class StreamSampler {
@@ -136,6 +137,7 @@ class StreamSampler {
         out_.volume *= out_.weights.volume;
         out_.weights.surface = mean(T_);
         out_.weights.passing_share = std::min(out_.weights.surface / mean(beta), 1.0f);
+        out_.plain_lookups /= mean(beta);
         std::swap(scratch_.picked, scratch_.shares);
     }
 
@@ -258,6 +260,7 @@ inline bool StreamSampler::varying_piece(float t0, float t1, float majorant) {
 }
 
 inline void StreamSampler::candidate(float t, float rate) {
+    out_.plain_lookups += mean(T_) / scale_here();
     const auto c = detail::coefficients_at(scratch_, t, rng_, counters_);
     const Rgb value = T_ * c.sigma_s / rate;
     offer(t, value, mean(value) * (lights_ ? lights_->at(t) : 1), c);

@@ -20,6 +20,7 @@ struct VspGuide {
     float transmittance = 0.5f;  ///< mean along the pixel's rays
     float majorant_depth = 0;    ///< mean optical depth of the majorants; 0: unknown
     float surface_noise = 0;     ///< variance of the radiance behind, relative to its square
+    float walk_share = 1;        ///< of the segments: to walk to their ends and resample; the others fly
 };
 
 inline constexpr float kLowestVsp = 0.001f, kHighestVsp = 0.999f;

@@ -17,6 +17,9 @@ import numpy as np
 from nephele import description, parameters, passes
 
 __version__ = "0.0-fake"
+FIELD = {
+    "guiding_field": {"trains": True, "reason": "the fake learns", "regions": 2, "bytes": 4096, "uses": []}
+}
 
 
 def build_info():
@@ -24,7 +27,7 @@ def build_info():
 
 
 def scene_features(scene):
-    return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]}
+    return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]} | FIELD
 
 
 class Renderer:
@@ -98,7 +101,7 @@ class Renderer:
             "train_seconds": 0.0,
             "first_tile_seconds": 0.001,
             "grids": [],
-        }
+        } | FIELD
 
     def checkpoint(self):
         return {"done": np.array(self.done)} | {f"sums/{name}": total for name, total in self.sums.items()}

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -134,6 +135,46 @@ TEST(Bsdf, WeightIsEvalOverDensity) {
             }
         }
     }
+}
+
+/// The ray kinds of directions that something else drew are as frequent as sample()'s: a z-test a kind,
+/// false alarm 6e-7 each.
+TEST(Bsdf, GivenDirectionsAreTheSamplesTheyStandFor) {
+    Rng rng(6);
+    constexpr int kDraws = 20000;
+    for (const NamedProgram& p : mixtures()) {
+        const ShadingPoint point = point_seen_from(at_angle(45));
+        const Bsdf bsdf = make_bsdf(&p.program, point, kNoTextures);
+        std::map<std::uint32_t, double> excess;
+        int smooth = 0;
+        for (int i = 0; i < kDraws; ++i) {
+            const float lobe_u = rng.next();
+            const auto drawn = bsdf.sample(point.wo, lobe_u, rng.next2());
+            if (!drawn || drawn->specular)
+                continue;
+            const auto given = bsdf.at(point.wo, drawn->wi, rng.next());
+            ASSERT_TRUE(given.has_value()) << p.name;
+            EXPECT_EQ(given->crosses, drawn->crosses) << p.name;
+            EXPECT_NEAR(given->pdf / drawn->pdf, 1, 2e-3) << p.name;
+            EXPECT_FALSE(given->specular);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(given->weight[c], drawn->weight[c], 4e-3 * (1 + drawn->weight[c])) << p.name;
+            excess[drawn->kind] += 1;
+            excess[given->kind] -= 1;
+            ++smooth;
+        }
+        for (const auto& [kind, difference] : excess)
+            EXPECT_LT(std::abs(difference), 5 * std::sqrt(2.0 * smooth / 4)) << p.name << ", kind " << kind;
+    }
+}
+
+TEST(Bsdf, NothingIsGivenWhereNothingScatters) {
+    const Bsdf mirror =
+        make_bsdf(&ConstantProgram().add(ClosureKind::glossy, {s(0.8f), s(0), kNoNormal}).program,
+                  point_seen_from(at_angle(30)), kNoTextures);
+    EXPECT_FALSE(mirror.at(at_angle(30), at_angle(30, 180), 0.5f).has_value());
+    const Bsdf diffuse = make_bsdf(nullptr, point_seen_from(at_angle(30)), kNoTextures);
+    EXPECT_FALSE(diffuse.at(at_angle(30), -at_angle(30), 0.5f).has_value());
 }
 
 /// Share of light from everywhere that leaves along wo: the mean weight, straight-through samples included.

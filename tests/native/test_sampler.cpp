@@ -4,6 +4,7 @@
 // probability kFalseAlarm (1e-5) or, for z-tests, 4e-8.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <set>
 
 #include "cell_counts.h"
@@ -119,6 +120,33 @@ TEST(PathSampler, TwoPairsFillTheirFourDimensionsLikeIndependentNumbers) {
     for (const std::uint64_t n :
          counts)  // shuffled anew per pixel: each cell's count is a sum over many pixels
         EXPECT_NEAR(static_cast<double>(n), 500, kSigmas * std::sqrt(500.0));
+}
+
+/// The first pair of every sample of a pixel, each in its epoch of a power of two.
+std::vector<Vec2f> in_epochs(std::uint32_t pixel, std::uint32_t begin, std::uint32_t end) {
+    std::vector<Vec2f> out;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        PathSampler sampler(true, 3, pixel, i);
+        sampler.enter_epoch(static_cast<std::uint32_t>(std::bit_width(i)));
+        out.push_back(sampler.next2());
+    }
+    return out;
+}
+
+TEST(PathSampler, AnEpochIsANetByItselfAndTellsNothingOfOthers) {
+    for (std::uint32_t begin = 1; begin <= 64; begin *= 2) {
+        std::set<int> strata;
+        for (const Vec2f p : in_epochs(5, begin, 2 * begin))
+            strata.insert(static_cast<int>(p.x * static_cast<float>(begin)));
+        EXPECT_EQ(strata.size(), begin);
+    }
+    // Without epochs samples 1 and 2 would never share a quarter. In epochs all pairs of quarters are alike.
+    std::vector<std::uint64_t> counts(16);
+    for (std::uint32_t pixel = 0; pixel < 16000; ++pixel) {
+        const auto p = in_epochs(pixel, 1, 3);
+        ++counts[static_cast<std::size_t>(p[0].x * 4) * 4 + static_cast<std::size_t>(p[1].x * 4)];
+    }
+    EXPECT_GT(chi_square_p(counts, std::vector<double>(16, 1 / 16.0), 16000), kFalseAlarm);
 }
 
 TEST(PathSampler, IsUnstructuredWhereAskedAndBeyondItsPairs) {

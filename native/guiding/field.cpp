@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "guiding/field.h"
+
+namespace nephele {
+
+namespace {
+
+bool usable(const FieldSample& s) {
+    return is_finite(s.p) && is_finite(s.wi) && std::isfinite(s.light) && s.light >= 0 && s.pdf > 0 &&
+           std::isfinite(s.pdf) && std::isfinite(s.scattering) && s.scattering >= 0 && s.scatter_pdf >= 0 &&
+           std::isfinite(s.scatter_pdf) && s.distance > 0 && std::isfinite(s.cost) &&
+           std::isfinite(s.vsp.light) && std::isfinite(s.vsp.volume_weight) &&
+           std::isfinite(s.vsp.surface_weight) && std::isfinite(s.vsp.transmittance);
+}
+
+}  // namespace
+
+GuidingField::GuidingField(const Settings& settings, std::size_t memory)
+    : settings_(settings), volume_("volume", memory / 2), surface_("surface", memory / 2) {}
+
+void GuidingField::update(std::vector<FieldSample> samples) {
+    std::erase_if(samples, [](const FieldSample& s) { return !usable(s); });
+    std::sort(samples.begin(), samples.end(),
+              [](const FieldSample& a, const FieldSample& b) { return a.key < b.key; });
+    const auto surface = std::stable_partition(samples.begin(), samples.end(),
+                                               [](const FieldSample& s) { return s.in_volume; });
+    volume_.update(settings_, {samples.begin(), surface});
+    surface_.update(settings_, {surface, samples.end()});
+}
+
+void GuidingField::save(std::map<std::string, std::vector<double>>& saved) const {
+    volume_.save(saved);
+    surface_.save(saved);
+}
+
+void GuidingField::restore(const std::map<std::string, std::vector<double>>& saved) {
+    volume_.restore(saved);
+    surface_.restore(saved);
+}
+
+}  // namespace nephele

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The guiding field: what is known of light at every place and in every direction, learned from the paths of
+// the render itself. Two kd-trees over space, one for vertices in volumes and one for those on surfaces;
+// their leaves are FieldRegions, and are parted where paths go often (Mueller, Gross, Novak 2017, "Practical
+// Path Guiding"; Herholz et al. 2019).
+//
+// Between two updates the field stands still: any number of threads may read it without locks.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "guiding/field_tree.h"
+
+namespace nephele {
+
+class GuidingField {
+  public:
+    /// Name under which save() puts what tells a field from other state.
+    static constexpr const char* kSavedAs = "field_regions_volume";
+
+    /// memory: bytes that the trees may take at most; a single region a tree is there in any case.
+    GuidingField(const Settings& settings, std::size_t memory);
+
+    /// The region around p, or null where nothing has been learned.
+    const FieldRegion* find(Vec3f p, bool in_volume) const {
+        return (in_volume ? volume_ : surface_).find(p);
+    }
+
+    /// Learns from a batch, on all threads of the caller's arena. What comes of it depends on the samples and
+    /// their keys, not on their order or the threads. Samples that are not finite are left out.
+    void update(std::vector<FieldSample> samples);
+
+    std::size_t regions() const { return volume_.regions() + surface_.regions(); }
+    /// Bytes that the trees take.
+    std::size_t memory() const { return volume_.memory() + surface_.memory(); }
+
+    /// The state, for checkpoints and other renders. Throws std::invalid_argument where it is damaged.
+    void save(std::map<std::string, std::vector<double>>& saved) const;
+    void restore(const std::map<std::string, std::vector<double>>& saved);
+
+  private:
+    Settings settings_;
+    FieldTree volume_, surface_;
+};
+
+}  // namespace nephele

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "guiding/image_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "guiding/saved_rows.h"
+
+namespace nephele {
+
+namespace {
+
+constexpr const char* kSums = "image_sums";
+constexpr const char* kWorth = "image_worth";
+constexpr const char* kLight = "image_light";
+constexpr const char* kScale = "image_scale";
+
+}  // namespace
+
+ImageEstimate::ImageEstimate(int width, int height)
+    : width_(width),
+      height_(height),
+      sums_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      worth_(sums_.size()),
+      light_(sums_.size()),
+      scale_(sums_.size()) {}
+
+void ImageEstimate::add(int x, int y, float radiance, float work) {
+    BranchSums& sums = sums_[index(x, y)];
+    sums.weight += 1;
+    sums.taken += 1;
+    sums.cost += work;
+    add_light(sums, radiance, radiance * radiance);
+}
+
+void ImageEstimate::update() {
+    const std::vector<Pooled> pooled = pool_with_noise(width_, height_, sums_, {});
+    constexpr float kNoisiest = 1e3f;  // one pixel does not decide for all
+    double noise = 0, work = 0, known = 0, light = 0;
+    for (const Pooled& p : pooled) {
+        if (!(p.light > 0))
+            continue;
+        noise += double{std::min(p.noise, kNoisiest)};
+        work += double{p.cost};
+        light += double{p.light};
+        known += 1;
+    }
+    const double per_work = noise > 0 && work > 0 ? std::sqrt(noise / work) : 0;
+    const double dark = known > 0 ? 0.01 * (light / known) * (light / known) : 0;
+    for (std::size_t i = 0; i < worth_.size(); ++i) {
+        const double l = double{pooled[i].light};
+        worth_[i] = static_cast<float>(l * per_work);
+        light_[i] = pooled[i].light;
+        scale_[i] = static_cast<float>(1 / std::max(l * l + dark, 1e-30));
+    }
+}
+
+void ImageEstimate::save(std::map<std::string, std::vector<double>>& saved) const {
+    saved[kSums] = flattened(sums_);
+    saved[kWorth] = flattened(worth_);
+    saved[kLight] = flattened(light_);
+    saved[kScale] = flattened(scale_);
+}
+
+void ImageEstimate::restore(const std::map<std::string, std::vector<double>>& saved) {
+    unflatten(saved, kSums, sums_);
+    unflatten(saved, kWorth, worth_);
+    unflatten(saved, kLight, light_);
+    unflatten(saved, kScale, scale_);
+}
+
+bool ImageEstimate::inherit(const std::map<std::string, std::vector<double>>& saved, float samples) {
+    if (!holds(saved, kSums, sums_))
+        return false;
+    restore(saved);
+    for (BranchSums& sums : sums_)
+        sums = thinned(sums, std::min(samples / std::max(sums.taken, 1.0f), 1.0f));
+    return true;
+}
+
+}  // namespace nephele

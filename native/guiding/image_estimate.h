@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A smooth estimate of the image so far, and of how noisy and how much work its samples are: what guided
+// termination measures a path's branches by (Rath et al. 2022).
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "guiding/pool.h"
+
+namespace nephele {
+
+class ImageEstimate {
+  public:
+    ImageEstimate(int width, int height);
+
+    /// radiance: of one sample, mean over RGB. work: of its path.
+    void add(int x, int y, float radiance, float work);
+    /// Learns anew from all samples so far; on all threads of the caller's arena.
+    void update();
+    /// Mean radiance of the pixel times the root of (the image's relative variance / mean work of a path);
+    /// 0: unknown.
+    float worth(int x, int y) const { return worth_[index(x, y)]; }
+    /// Squared error of a sample's radiance, relative to the estimate; dark pixels count by a tenth of the
+    /// image's mean.
+    float relative_error(int x, int y, float radiance) const {
+        const float off = radiance - light_[index(x, y)];
+        return off * off * scale_[index(x, y)];
+    }
+
+    /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
+    void save(std::map<std::string, std::vector<double>>& saved) const;
+    void restore(const std::map<std::string, std::vector<double>>& saved);
+    /// Starts from what another image of this size saved, as if from `samples` a pixel at most. Returns false
+    /// where there is none.
+    bool inherit(const std::map<std::string, std::vector<double>>& saved, float samples);
+
+  private:
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    }
+
+    int width_, height_;
+    std::vector<BranchSums> sums_;
+    std::vector<float> worth_, light_, scale_;
+};
+
+}  // namespace nephele

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where a path's light comes from: lamps, suns and the world that its rays meet, emission of surfaces and
+// volumes, and light sampling at its vertices, weighed against each other by multiple importance sampling.
+// Where directions are guided, the weights are those of guided scattering.
+#pragma once
+
+#include "integrators/direct_light.h"
+#include "integrators/direction_guide.h"
+#include "integrators/path_record.h"
+#include "integrators/phase_mixture.h"
+
+namespace nephele {
+
+class PathLight {
+  public:
+    PathLight(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
+              PathSampler& sampler, Workspace& ws)
+        : scene_(scene),
+          settings_(settings),
+          request_(request),
+          sampler_(sampler),
+          ws_(ws),
+          record_(request, ws) {
+        walk_.ray = ray;
+    }
+
+  protected:
+    using First = Walk::First;
+
+    /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
+    LampHit nearest_lamp(float end) const {
+        if (walk_.kind == kCameraRay || !scene_.features().lamps)
+            return {};
+        return walk_.way.nearest(scene_.lights(), walk_.ray, walk_.kind, walk_.bounces, end);
+    }
+
+    bool pass_lamp(const LampHit& lamp) {
+        add(walk_.beta * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
+        walk_.way.pass(lamp);
+        walk_.ray.t_min = std::max(lamp.distance, walk_.ray.t_min);
+        return true;
+    }
+
+    bool escape() {
+        if (walk_.kind == kCameraRay && request_.transparent_film) {
+            out_.alpha = 1 - mean(walk_.beta);
+            return false;
+        }
+        add_suns();
+        const Rgb Le = scene_.background(walk_.ray.d, walk_.kind);
+        if (is_zero(Le))
+            return false;
+        const std::uint32_t number = scene_.lights().world_number();
+        const auto pdf = [&] { return scene_.lights().world()->pdf(walk_.ray.d); };
+        add(walk_.beta * Le * mis_weight(number, pdf));
+        return false;
+    }
+
+    /// Lamps at infinity that this direction meets.
+    void add_suns() {
+        if (walk_.kind == kCameraRay || !scene_.features().lamps)
+            return;
+        const auto meet = [&](std::uint32_t number, const LightHit& hit) {
+            if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number), walk_.kind, walk_.bounces))
+                return;
+            add(walk_.beta * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
+        };
+        scene_.lights().for_each_lamp_hit({walk_.ray.o, walk_.ray.d}, meet);
+    }
+
+    /// Weight of light that scattering found, against light sampling at the last vertex.
+    template <class Pdf>
+    float mis_weight(std::uint32_t light, Pdf&& pdf) const {
+        if (walk_.previous_specular || (light_visibility(scene_, light) & sampling_kind(walk_.kind)) == 0)
+            return 1;
+        return power_heuristic(walk_.previous_pdf,
+                               scene_.lights().selection_pdf(walk_.way.vertex(), light) * pdf());
+    }
+
+    ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, walk_.ray, walk_.kind); }
+
+    const FieldRegion* region_at(Vec3f p, bool in_volume) {
+        if (!request_.field || !request_.use.any())
+            return nullptr;
+        ++ws_.counters.field_queries;
+        return request_.field->find(p, in_volume);
+    }
+    DirectionGuide guide_at(const FieldRegion* region, Vec3f p) const {
+        if (!region || !request_.use.directions)
+            return {};
+        return {*region, p, region->guided_share};
+    }
+    /// The same for the media in ws_.tracking.shares.
+    DirectionGuide guide_in_volume(const FieldRegion* region, Vec3f p) const {
+        DirectionGuide guide = guide_at(region, p);
+        if (guide.active() && ws_.tracking.shares.size() == 1)
+            guide.fold_in(ws_.tracking.shares[0].phase, walk_.ray.d);
+        return guide;
+    }
+
+    void light_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide) {
+        const auto direct = sample_direct(scene_, p, kVolumeRay, walk_.bounces, sampler_);
+        if (!direct)
+            return;
+        float pdf = 0;
+        const Rgb f = phase.eval(-walk_.ray.d, direct->light.wi, pdf);
+        add_direct(*direct, p, f, guide.mixed(pdf, direct->light.wi));
+    }
+
+    void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const DirectionGuide& guide) {
+        const auto direct = sample_direct(scene_, point.p, kDiffuseRay, walk_.bounces, sampler_);
+        if (!direct)
+            return;
+        float pdf = 0;
+        bool crosses = false;
+        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf, crosses);
+        if (is_zero(f))
+            return;
+        const First before = walk_.first;
+        if (walk_.first == First::none)
+            walk_.first = First::surface;
+        add_direct(*direct, scene_.departure(point, direct->light.wi, crosses).o, f,
+                   guide.mixed(pdf, direct->light.wi));
+        walk_.first = before;
+    }
+
+    void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
+        const Rgb T = shadow_transmittance(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
+        if (is_zero(T))
+            return;
+        const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
+        add(walk_.beta * f * T * direct.light.Li * (weight / direct.light.pdf));
+    }
+
+    void add_surface_emission(const ShadingPoint& point, Rgb Le) {
+        const std::uint32_t number = scene_.light_of_instance(scene_.number_of(*point.instance));
+        float weight = 1;
+        if (number != Scene::kNoLight) {
+            weight = mis_weight(number, [&] {
+                return scene_.lights().mesh(number).pdf(point.triangle, walk_.way.vertex(), point.p);
+            });
+        }
+        add(walk_.beta * Le * weight);
+        if (walk_.bounces == 0)
+            out_.emission += walk_.beta * Le;
+    }
+
+    void add_volume_emission(Rgb emitted) {
+        if (is_zero(emitted))
+            return;
+        (walk_.first == First::surface ? out_.surface : out_.volume) += emitted;
+        if (OpenSegment* segment = record_.current())
+            segment->undecided += emitted;
+        if (walk_.bounces == 0)
+            out_.emission += emitted;
+    }
+
+    void add(Rgb light) { (walk_.first == First::volume ? out_.volume : out_.surface) += light; }
+    Rgb light() const { return out_.volume + out_.surface; }
+
+    const Scene& scene_;
+    const Settings& settings_;
+    const SampleRequest& request_;
+    PathSampler& sampler_;
+    Workspace& ws_;
+    PathRecord record_;
+
+    Walk walk_;
+    PixelSample out_;
+};
+
+}  // namespace nephele
