@@ -115,11 +115,12 @@ def test_a_plastic_plane_loses_what_its_base_absorbs(nonlinear):
     again = color if nonlinear else 1.0
     expected = mirrored + (1 - mirrored) * color * (1 - back) / (1 - again * back)
     camera = orthographic((0, -4 * np.sqrt(0.75), 2), (0, 0, 0), 1)
-    plane = box((-9, -9, -2), (9, 9, 0), "plane")
-    check(
-        Scene(camera, WHITE).add(plane, constant_program(("plastic", color, 0.0, n, nonlinear, None))),
-        expected,
+    scene = Scene(camera, WHITE).add(
+        box((-9, -9, -2), (9, 9, 0), "plane"), constant_program(("plastic", color, 0.0, n, nonlinear, None))
     )
+    # A pixel takes one of few values, by how often the coat was chosen: Student's t of 16 says nothing.
+    image = scene.render(size=32, samples=384, seed=3, **NO_LIMIT, **BOX_FILTER)["Combined"]
+    assert_mean(image, expected, rounding=2e-6, most=0.004)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3])
