@@ -41,8 +41,10 @@ void GuidingField::save(std::map<std::string, std::vector<double>>& saved) const
 }
 
 void GuidingField::restore(const std::map<std::string, std::vector<double>>& saved) {
-    volume_.restore(saved);
-    surface_.restore(saved);
+    GuidingField field(*this);  // what is refused changes nothing
+    field.volume_.restore(saved);
+    field.surface_.restore(saved);
+    *this = std::move(field);
 }
 
 }  // namespace nephele

@@ -202,6 +202,7 @@ void FieldRegion::become_half(Vec3f new_pivot) {
     mixture = mixture.seen_from(new_pivot - pivot);
     pivot = new_pivot;
     fit_.halve();
+    fit_.follow(mixture);
     keep(0.5f);
 }
 

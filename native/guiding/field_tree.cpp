@@ -115,9 +115,11 @@ void FieldTree::save(std::map<std::string, std::vector<double>>& saved) const {
 }
 
 void FieldTree::restore(const std::map<std::string, std::vector<double>>& saved) {
-    nodes_ = unflattened<Node>(saved, ("field_nodes_" + name_).c_str());
-    regions_ = unflattened<FieldRegion>(saved, ("field_regions_" + name_).c_str());
-    check();
+    FieldTree tree(*this);
+    tree.nodes_ = unflattened<Node>(saved, ("field_nodes_" + name_).c_str());
+    tree.regions_ = unflattened<FieldRegion>(saved, ("field_regions_" + name_).c_str());
+    tree.check();
+    *this = std::move(tree);
 }
 
 /// A tree's children come after their parents, every region hangs on one leaf, and what paths read is finite.

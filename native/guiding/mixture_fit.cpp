@@ -216,17 +216,18 @@ bool MixtureFit::split(VmfMixture& mixture, std::span<const MixtureSample> sampl
     const Vec3f mu = frame.z;
     mixture.set(static_cast<int>(chosen), half, {normalize(mu + axis * step), kappa}, inverse_distance);
     mixture.set(static_cast<int>(free), half, {normalize(mu - axis * step), kappa}, inverse_distance);
-    // The statistics follow the lobes, or the next step would put both where one was.
-    const auto aim = [&](std::size_t k) {
-        const float towards = length(Vec3f(sums_.x[k], sums_.y[k], sums_.z[k]));
-        const Vec3f m = mixture.mu(static_cast<int>(k));
-        sums_.x[k] = m.x * towards;
-        sums_.y[k] = m.y * towards;
-        sums_.z[k] = m.z * towards;
-    };
-    aim(chosen);
-    aim(free);
+    follow(mixture);  // or the next step would put both where one was
     return true;
+}
+
+void MixtureFit::follow(const VmfMixture& mixture) {
+    for (std::size_t k = 0; k < kMostLobes; ++k) {
+        const float towards = length(Vec3f(sums_.x[k], sums_.y[k], sums_.z[k]));
+        const Vec3f mu = mixture.mu(static_cast<int>(k));
+        sums_.x[k] = mu.x * towards;
+        sums_.y[k] = mu.y * towards;
+        sums_.z[k] = mu.z * towards;
+    }
 }
 
 void MixtureFit::halve() {

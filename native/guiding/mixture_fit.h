@@ -29,6 +29,8 @@ class MixtureFit {
     float samples() const { return samples_; }
     /// The statistics as if of half as many samples: for two regions that were one.
     void halve();
+    /// Turns the statistics to where the mixture's lobes point now: it is seen from another place.
+    void follow(const VmfMixture& mixture);
 
   private:
     /// Sums over samples, weighted by lobe.

@@ -16,15 +16,14 @@ inline constexpr int kMostLobes = 8;
 /// One value a lobe; loops over all of them become vector instructions.
 using LobeValues = std::array<float, kMostLobes>;
 
-/// exp(x) for x <= 0, relative error below 1e-6; 0 below about -87. Plain arithmetic that compilers
-/// vectorise.
+/// exp(x) for x in [-1e8, 0], relative error about 1e-6 (that of x, where x is large); below about -87 it is
+/// next to nothing, 1e-38. Arithmetic without comparisons of floats, which compilers vectorise.
 inline float exp_of_negative(float x) {
-    const float y = std::max(x * 1.44269504f, -126.0f);
+    const float y = x * 1.44269504f;
     const int whole = static_cast<int>(y);  // towards 0: the rest is in (-1, 0]
     const float g = (y - static_cast<float>(whole) + 0.5f) * 0.693147181f;
     const float e = 1 + g * (1 + g * (0.5f + g * (1.0f / 6 + g * (1.0f / 24 + g * (1.0f / 120 + g / 720)))));
-    const float power = std::bit_cast<float>((whole + 127) << 23);
-    return y > -126.0f ? e * 0.707106781f * power : 0.0f;
+    return e * 0.707106781f * std::bit_cast<float>((std::max(whole, -126) + 127) << 23);
 }
 
 struct VmfMixture {
