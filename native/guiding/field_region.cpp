@@ -103,6 +103,8 @@ void FieldRegion::keep(float share) {
     for (float& m : moments_)
         m *= share;
     light_ *= share;
+    all_light_ *= share;
+    all_square_ *= share;
     square_ *= share;
     cost_ *= share;
     count_ *= share;
@@ -142,11 +144,17 @@ void FieldRegion::learn_worth(std::span<const FieldSample> samples) {
         square_ += square;
         light_ += std::sqrt(square);
     }
-    for (const FieldSample& s : samples)
+    for (const FieldSample& s : samples) {
+        const float c = std::min(contribution(s), 1e9f);
+        all_light_ += c;
+        all_square_ += c * c;
         cost_ += s.cost;
+    }
     count_ += static_cast<float>(samples.size());
-    constexpr float kEnough = 32;
-    const bool known = count_ >= kEnough && cost_ > 0;
+    // Where few samples bring nearly all, most of what there is was not seen yet: paths that were ended there
+    // would leave it to ever fewer.
+    constexpr float kEnough = 64;
+    const bool known = cost_ > 0 && all_square_ > 0 && all_light_ * (all_light_ / all_square_) >= kEnough;
     worth = known ? std::sqrt(square_ / cost_) : 0;
     split_worth = known ? std::sqrt(std::max(square_ - light_ * light_ / count_, 0.0f) / cost_) : 0;
 }

@@ -53,7 +53,8 @@ class FieldRegion {
     std::array<Segments, kMostLobes> segments_{};
     std::array<VspGuide, kMostLobes> guides_{};
     std::array<float, kGuidedShares.size()> moments_{};    // of a vertex's contribution, for each share
-    float light_ = 0, square_ = 0, cost_ = 0, count_ = 0;  // of what branches bring
+    float light_ = 0, square_ = 0, cost_ = 0, count_ = 0;  // of what branches bring, single ones bounded
+    float all_light_ = 0, all_square_ = 0;                 // the same, not bounded
 };
 
 }  // namespace nephele

@@ -11,7 +11,7 @@ namespace {
 constexpr double kUnit = 1 << 16;   // of the fixed-point sums
 constexpr double kMostError = 1e4;  // of one path: fireflies do not decide alone
 constexpr double kMostWork = 1e7;
-constexpr double kWorthIts = 0.85;  // of what none costs: lessons and learning are not in a path's work
+constexpr double kWorthIts = 0.93;  // of what none costs: lessons and learning are not in a path's work
 
 }  // namespace
 
