@@ -3,6 +3,17 @@
 
 namespace nephele {
 
+namespace {
+
+/// yes ? a : b of values that are both at hand, without the branch that compilers make of it.
+inline float select(bool yes, float a, float b) {
+    const std::uint32_t mask = yes ? ~0u : 0u;
+    return std::bit_cast<float>((std::bit_cast<std::uint32_t>(a) & mask) |
+                                (std::bit_cast<std::uint32_t>(b) & ~mask));
+}
+
+}  // namespace
+
 void VmfMixture::set(int k, float lobe_weight, const VmfLobe& lobe, float lobe_inverse_distance) {
     weight[i(k)] = lobe_weight;
     mu_x[i(k)] = lobe.mu.x;
@@ -49,6 +60,7 @@ VmfMixture::Product VmfMixture::times(const VmfLobe& lobe) const {
     Product out{*this};
     VmfMixture& m = out.mixture;
     const float other_peak = vmf_peak(lobe.kappa), k2 = lobe.kappa;
+    constexpr float kWide = 0.05f;
     for (std::size_t k = 0; k < kMostLobes; ++k) {
         const float k1 = kappa[k];
         const float x = k1 * mu_x[k] + k2 * lobe.mu.x, y = k1 * mu_y[k] + k2 * lobe.mu.y,
@@ -57,12 +69,15 @@ VmfMixture::Product VmfMixture::times(const VmfLobe& lobe) const {
         const float dx = mu_x[k] - lobe.mu.x, dy = mu_y[k] - lobe.mu.y, dz = mu_z[k] - lobe.mu.z;
         const float apart = 0.5f * (dx * dx + dy * dy + dz * dz);  // 1 - cosine
         // product - k1 - k2 without cancellation.
-        const float exponent = -2 * k1 * k2 * apart / std::max(product + k1 + k2, 1e-30f);
-        const bool points = product > 1e-6f;
+        const float exponent = -2 * k1 * k2 * apart / (product + k1 + k2 + 1e-30f);
+        const bool points = product > 1e-6f, wide = product < kWide;
         const float scale = 1 / (points ? product : 1.0f);
         m.kappa[k] = product;
-        const float normal = product < 0.05f ? kInv4Pi * (1 + product + product * product / 3)
-                                             : product / (2 * kPi * (1 - exp_of_negative(-2 * product)));
+        // vmf_peak(product), both ways for every lobe: a branch would keep the loop from vector instructions.
+        const float narrow = select(wide, kWide, product);
+        const float near_uniform = kInv4Pi * (1 + product + product * product / 3);
+        const float peaked = narrow / (2 * kPi * (1 - exp_of_negative(-2 * narrow)));
+        const float normal = select(wide, near_uniform, peaked);
         m.peak[k] = normal;
         m.weight[k] = weight[k] * peak[k] * other_peak * exp_of_negative(exponent) / normal;
         m.mu_x[k] = points ? x * scale : mu_x[k];

@@ -62,6 +62,14 @@ TEST(ExpOfNegative, IsTheExponential) {
     EXPECT_EQ(exp_of_negative(-kInfinity), 0);
 }
 
+TEST(ExpOfNegative, IsNeverADenormal) {
+    for (float x = -80; x > -110; x = std::nextafter(x - 1e-4f, -kInfinity)) {
+        const float e = exp_of_negative(x);
+        ASSERT_TRUE(e == 0 || std::isnormal(e)) << x;
+        ASSERT_EQ(e == 0, x < -126 * 0.693147181f) << x;
+    }
+}
+
 TEST(VmfMixture, DensityIsTheSumOfItsLobes) {
     Rng rng(823);
     for (int i = 0; i < 1000; ++i) {
