@@ -55,11 +55,6 @@ RayMeans thinned(RayMeans means, float share) {
     return means;
 }
 
-namespace {
-
-/// Share of the segments to walk to their ends before deciding. Walking pays where it lowers the product of
-/// variance and work against plain delta tracking, which has the second moment V v^2 + T s^2, v and s being
-/// root mean squares of the branches' radiances; deciding by a whole stream has (V v + T s)^2.
 float walk_share(const RayMeans& near, const Pooled& volume, const Pooled& surface, float trial) {
     constexpr float kEnough = 16;  // walks, that tell enough
     if (near.walks < kEnough || !(volume.known > 0.5f) || !(surface.known > 0.5f))
@@ -81,8 +76,6 @@ float walk_share(const RayMeans& near, const Pooled& volume, const Pooled& surfa
         (1 - T) * double{volume.cost} + T * double{surface.cost} - double{near.extra_work} / walks;
     return walk_variance * walk_work < plain_variance * std::max(plain_work, 0.0) ? 1 : 0;
 }
-
-}  // namespace
 
 VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,
                        const Pooled& surface, float trial) {

@@ -27,6 +27,12 @@ RayMeans thinned(RayMeans means, float share);
 /// Adds a sample to one branch's sums. weight: the branch's, taken or not; `taken`: it is the record's.
 void add_branch(BranchSums& sums, float weight, bool taken, const VspRecord& record);
 
+/// Share of the segments to walk to their ends before deciding. Walking pays where it lowers the product of
+/// variance and work against plain delta tracking, which has the second moment V v^2 + T s^2, v and s being
+/// root mean squares of the branches' radiances; deciding by a whole stream has (V v + T s)^2. trial: the
+/// share until that is known.
+float walk_share(const RayMeans& near, const Pooled& volume, const Pooled& surface, float trial);
+
 /// The guide that both branches' estimates ask for. Without samples: delta tracking's probabilities. trial:
 /// share of the segments to walk to their ends until it is known whether that pays.
 VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Pooled& volume,

@@ -23,7 +23,7 @@ inline FieldSample isotropic_sample(Vec3f p, Vec3f wi, float light) {
 /// A record of a segment, half of which is the volume's; each branch brings so much per unit of weight.
 inline VspRecord record_of(float volume, float surface, Rng& rng) {
     VspRecord r;
-    r.known = true;
+    r.known = r.walked = true;
     r.scattered = rng.next() < 0.5f;
     r.probability = 0.5f;
     r.volume_weight = r.surface_weight = 0.5f;

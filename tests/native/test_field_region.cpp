@@ -129,8 +129,8 @@ TEST(FieldRegion, WorthIsTheRootOfSecondMomentPerWork) {
         s.cost = 5;
     };
     EXPECT_NEAR(taught(constant).worth, std::sqrt(4 / 5.0), 1e-3);
-    EXPECT_NEAR(taught(constant, 1, 32).worth, std::sqrt(4 / 5.0), 1e-3);
-    EXPECT_EQ(taught(constant, 1, 31).worth, 0) << "too few to tell";
+    EXPECT_NEAR(taught(constant, 1, 65).worth, std::sqrt(4 / 5.0), 1e-3);
+    EXPECT_EQ(taught(constant, 1, 63).worth, 0) << "too few to tell";
     EXPECT_NEAR(taught(constant, 100).worth, std::sqrt(4 / 5.0), 1e-3);
     EXPECT_EQ(taught([](FieldSample& s, Rng&) { s.cost = 0; }).worth, 0);
     // Costs and contributions that vary: E[C^2] = 10 and E[cost] = 5.
@@ -147,6 +147,15 @@ TEST(FieldRegion, FirefliesDoNotDecideWhatBranchesAreWorth) {
         s.cost = 1;
     });
     EXPECT_LT(region.worth, 1.1f);
+}
+
+TEST(FieldRegion, SaysNothingOfBranchesOfWhichFewBringAll) {
+    const FieldRegion region = taught([](FieldSample& s, Rng& rng) {
+        s.light = rng.next() < 0.01f ? 100 : 0.01f;  // about 20 of 2000
+        s.cost = 1;
+    });
+    EXPECT_EQ(region.worth, 0);
+    EXPECT_EQ(region.split_worth, 0);
 }
 
 TEST(FieldRegion, HalvesStandForHalfAndSeeTheSameLight) {

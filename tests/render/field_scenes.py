@@ -24,7 +24,9 @@ from truth import (
 def baffle_room(fog=0.08, fog_g=0.3):
     """A closed room of white and coloured walls, filled with thin fog, whose only lamp is hidden behind a
     baffle: all light that the camera sees has bounced. fog: 1/m, none where 0."""
-    lamp = d.Light("lamp", "area", facing((1.5, 0.9, 0.3), (2, 1.4, 0.6)), (60.0, 50.0, 35.0), size=(0.4, 0.4))
+    lamp = d.Light(
+        "lamp", "area", facing((1.5, 0.9, 0.3), (2, 1.4, 0.6)), (60.0, 50.0, 35.0), size=(0.4, 0.4)
+    )
     scene = Scene(perspective((-1.7, -1.6, 0), (0.2, 1.0, -0.2), 0.6), lights=(lamp,))
     walls = {
         "left": ((-2.2, -2, -2), (-2, 2, 2), (0.7, 0.2, 0.15)),
@@ -61,9 +63,7 @@ def glass_and_leaves():
     glossy = constant_program(
         ("glossy", (0.6, 0.5, 0.4), 0.35, None), ("diffuse", (0.2, 0.25, 0.3), 0.0, None)
     )
-    leaf = constant_program(
-        ("translucent", (0.3, 0.5, 0.1), None), ("glossy", (0.15, 0.15, 0.15), 0.5, None)
-    )
+    leaf = constant_program(("translucent", (0.3, 0.5, 0.1), None), ("glossy", (0.15, 0.15, 0.15), 0.5, None))
     veil = constant_program(("transparent", (0.5, 0.4, 0.6)), ("diffuse", (0.3, 0.3, 0.2), 0.0, None))
     scene = Scene(perspective((0, -4, 0.9), (0, 0, 0), 0.38), half_world((0.2, 0.25, 0.3), 0.05), (), lights)
     scene.add(box((-3, -3, -1.0), (3, 3, -0.7), "floor"), glossy)

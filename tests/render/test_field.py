@@ -26,7 +26,12 @@ WAYS = {
     "auto": {"train_field": "auto"},
 }
 # Samples by scene, and the largest standard error, relative, of the image's mean between two ways.
-EFFORTS = {baffle_room: (48, 0.05), cloud: (40, 0.012), glass_and_leaves: (40, 0.02), burning_smoke: (32, 0.02)}
+EFFORTS = {
+    baffle_room: (48, 0.05),
+    cloud: (40, 0.012),
+    glass_and_leaves: (40, 0.02),
+    burning_smoke: (32, 0.02),
+}
 
 
 @cache
@@ -120,7 +125,11 @@ def one_fog_one_lamp():
         (one_fog_one_lamp, {}, "one light"),
         (baffle_room, {"max_bounces": 0}, "do not bounce"),
         (baffle_room, {"train_field": "never"}, "switched off"),
-        (baffle_room, dict.fromkeys(("guide_directions", "vsp_secondary", "guided_roulette"), False), "no setting"),
+        (
+            baffle_room,
+            dict.fromkeys(("guide_directions", "vsp_secondary", "guided_roulette"), False),
+            "no setting",
+        ),
     ],
 )
 def test_what_cannot_gain_trains_nothing(make, settings, reason):

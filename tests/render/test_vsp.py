@@ -133,7 +133,9 @@ def lamp_in_fog():
 def squared_error(scene, reference, **settings):
     """Returns the mean relMSE of 64 renders of 16 samples."""
     images = [
-        scene.render(size=24, samples=16, seed=seed, max_bounces=2, train_field="never", **settings)["Combined"]
+        scene.render(size=24, samples=16, seed=seed, max_bounces=2, train_field="never", **settings)[
+            "Combined"
+        ]
         for seed in range(64)
     ]
     return np.mean((np.array(images) - reference) ** 2 / (reference**2 + 0.01))
