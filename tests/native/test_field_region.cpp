@@ -150,10 +150,12 @@ TEST(FieldRegion, FirefliesDoNotDecideWhatBranchesAreWorth) {
 }
 
 TEST(FieldRegion, SaysNothingOfBranchesOfWhichFewBringAll) {
-    const FieldRegion region = taught([](FieldSample& s, Rng& rng) {
-        s.light = rng.next() < 0.01f ? 100 : 0.01f;  // about 20 of 2000
-        s.cost = 1;
-    });
+    const FieldRegion region = taught(
+        [](FieldSample& s, Rng& rng) {
+            s.light = rng.next() < 0.01f ? 100 : 0.01f;  // about 20 of 2000
+            s.cost = 1;
+        },
+        1);
     EXPECT_EQ(region.worth, 0);
     EXPECT_EQ(region.split_worth, 0);
 }
