@@ -53,24 +53,36 @@ SCENES = {
 
 def vspg(control, criterion="variance", **extensions):
     """Returns the settings of VSP guiding with only the named extensions on."""
-    off = {"vsp_cost": False, "vsp_product": False, "vsp_gather": False}
+    off = {"vsp_cost": False, "vsp_product": False, "vsp_gather": False, "train_field": "never"}
     return (
         {"distance_sampling": "vspg", "vsp_control": control, "vsp_criterion": criterion} | off | extensions
     )
 
 
+def field(**techniques):
+    """Returns the settings of the guiding field used always, for the named techniques only."""
+    off = dict.fromkeys(("guide_directions", "vsp_secondary", "guided_roulette"), False)
+    return {"train_field": "always"} | off | techniques
+
+
+NO_FIELD = {"train_field": "never"}
 DELTA = "delta"
 CONFIGS = {
-    DELTA: {"distance_sampling": "delta"},
-    "nds": {"distance_sampling": "nds"},
-    "nds_plus": {"distance_sampling": "nds_plus"},
+    DELTA: {"distance_sampling": "delta", **NO_FIELD},
+    "nds": {"distance_sampling": "nds", **NO_FIELD},
+    "nds_plus": {"distance_sampling": "nds_plus", **NO_FIELD},
     "exact contribution": vspg("exact", "contribution"),
     "exact variance": vspg("exact"),
     "conditional": vspg("conditional"),
     "conditional+cost": vspg("conditional", vsp_cost=True),
     "conditional+product": vspg("conditional", vsp_product=True),
     "conditional+gather": vspg("conditional", vsp_gather=True),
-    "vspg": {"distance_sampling": "vspg"},  # as users get it
+    "vspg": {"distance_sampling": "vspg", **NO_FIELD},
+    "directions": field(guide_directions=True),
+    "segments": field(vsp_secondary=True),
+    "directions+segments": field(guide_directions=True, vsp_secondary=True),
+    "everything": field(guide_directions=True, vsp_secondary=True, guided_roulette=True),
+    "auto": {},  # as users get it
 }
 
 

@@ -9,8 +9,8 @@ namespace nephele {
 
 /// What one vertex teaches the guiding field. World space; light, scattering: mean over RGB.
 struct FieldSample {
-    std::uint64_t key = 0;       ///< number of the path, then of the vertex: samples in this order
-    Vec3f p, wi;                 ///< the vertex, and the unit direction in which the path went on
+    std::uint64_t key = 0;  ///< of the path and the vertex, another for each: samples count in this order
+    Vec3f p, wi;            ///< the vertex, and the unit direction in which the path went on
     float distance = kInfinity;  ///< along wi to the path's next event, m
     float pdf = 0;               ///< with which wi was drawn, 1/sr, whatever took part in it
     float scatter_pdf = 0;       ///< with which the BSDF or phase function alone draws wi, 1/sr

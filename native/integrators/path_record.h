@@ -62,7 +62,7 @@ class PathRecord {
         lesson.vsp = segment.guiding.finish(brought - segment.undecided, segment.gathered, ws_.counters);
         lesson.light = mean(brought) / segment.guiding.beta();
         lesson.cost = lesson.vsp.cost;
-        lesson.key = request_.key << 16 | number_++;
+        lesson.key = hash_combine(request_.key, number_++);
         ws_.lessons.push_back(lesson);
     }
 
