@@ -78,6 +78,7 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
     learn_worth(samples);
     std::vector<MixtureSample> directions;
     directions.reserve(samples.size());
+    constexpr float kNearest = 1e-12f;  // m
     for (const FieldSample& s : samples) {
         // As seen from the pivot: light that comes from far away comes the same way there.
         const bool near = s.distance < kInfinity;
@@ -85,7 +86,7 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
         const float length_seen = near ? length(seen) : 1;
         if (!(length_seen > 0))
             continue;
-        directions.push_back({seen / length_seen, s.light / s.pdf, near ? 1 / length_seen : 0});
+        directions.push_back({seen / length_seen, s.light / s.pdf, near ? 1 / std::max(length_seen, kNearest) : 0});
     }
     fit_.update(mixture, directions);
     if (!(fit_.samples() > 0))

@@ -37,9 +37,9 @@ bool tame(std::span<MixtureSample> samples) {
     const double sum = bound_shares(weights);
     if (!(sum > 0))
         return false;
-    const auto scale = static_cast<float>(static_cast<double>(samples.size()) / sum);
+    const double mean = sum / static_cast<double>(samples.size());  // may be too little for a float
     for (std::size_t i = 0; i < samples.size(); ++i)
-        samples[i].weight = weights[i] * scale;
+        samples[i].weight = static_cast<float>(double{weights[i]} / mean);
     return true;
 }
 

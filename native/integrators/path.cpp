@@ -160,6 +160,7 @@ class Path : private PathLight {
         const float guide_pdf = guide.pdf(wi), pdf = guide.mixed(scatter_pdf, guide_pdf);
         const float before = mean(walk_.beta);
         walk_.beta *= f / pdf;
+        walk_.guided_weight *= scatter_pdf / pdf;
         ++walk_.volume_bounces;
         const Densities densities{pdf, scatter_pdf, guide_pdf, mean(walk_.beta) * pdf / before};
         return continue_from({p, p, wi, densities, false, kVolumeRay, true}, region);
@@ -228,11 +229,13 @@ class Path : private PathLight {
             return sample;
         if (sample->specular) {
             sample->weight /= 1 - guide.share();
+            walk_.guided_weight /= 1 - guide.share();
             return sample;
         }
         const float guide_pdf = guide.pdf(sample->wi), pdf = guide.mixed(sample->pdf, guide_pdf);
         drawn_ = {pdf, sample->pdf, guide_pdf};
         sample->weight *= sample->pdf / pdf;
+        walk_.guided_weight *= sample->pdf / pdf;
         sample->pdf = pdf;
         return sample;
     }

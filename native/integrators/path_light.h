@@ -26,6 +26,7 @@ class PathLight {
 
   protected:
     using First = Walk::First;
+    static constexpr float kMostGuidedWeight = 4;
 
     /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
@@ -88,7 +89,9 @@ class PathLight {
     DirectionGuide guide_at(const FieldRegion* region, Vec3f p) const {
         if (!region || !request_.use.directions)
             return {};
-        return {*region, p, region->guided_share};
+        // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a path
+        // whose weight has grown is guided less, and not at all from kMostGuidedWeight on.
+        return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / kMostGuidedWeight)};
     }
     /// The same for the media in ws_.tracking.shares.
     DirectionGuide guide_in_volume(const FieldRegion* region, Vec3f p) const {

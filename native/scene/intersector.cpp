@@ -39,6 +39,15 @@ RTCRay rtc_ray(const Ray& r) {
     return ray;
 }
 
+/// Embree may end the process over rays that are not. They meet nothing.
+bool is_sound(const Ray& r) {
+    constexpr float kFarthest = 1e18f;
+    const auto near = [](Vec3f v) {
+        return std::fabs(v.x) < kFarthest && std::fabs(v.y) < kFarthest && std::fabs(v.z) < kFarthest;
+    };
+    return near(r.o) && near(r.d) && r.t_min <= r.t_max;
+}
+
 Query query_of(HitFilter* filter, const std::vector<bool>& flipped) {
     Query query{};
 #if NEPHELE_EMBREE_MAJOR >= 4
@@ -233,6 +242,8 @@ std::size_t Intersector::bytes() const {
 }
 
 Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
+    if (!is_sound(ray))
+        return {};
     Query query = query_of(filter, impl_->flipped);
     RTCRayHit rh;
     rh.ray = rtc_ray(ray);
@@ -249,6 +260,8 @@ Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
 }
 
 bool Intersector::occluded(const Ray& ray, HitFilter* filter) const {
+    if (!is_sound(ray))
+        return false;
     Query query = query_of(filter, impl_->flipped);
     RTCRay r = rtc_ray(ray);
 #if NEPHELE_EMBREE_MAJOR >= 4

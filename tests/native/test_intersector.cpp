@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 
 #include "math/sampler.h"
@@ -65,6 +66,21 @@ TEST(Intersector, FindsTheNearestPointWithinTheRay) {
     EXPECT_TRUE(scene.occluded({{0.3f, 0.2f, 5}, {0, 0, -1}}));
     EXPECT_FALSE(scene.occluded({{0.3f, 0.2f, 5}, {0, 0, -1}, 4.5f, 5.5f}));
     EXPECT_GT(scene.bytes(), 0u);
+}
+
+TEST(Intersector, MeetsNothingAlongRaysThatAreNone) {
+    World world{{box_mesh(Vec3f(-1), Vec3f(1))}, {instance_of(0)}};
+    const Intersector scene = world.build();
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    for (const float bad : {kNan, kInfinity, -kInfinity, 1e30f, -1e19f}) {
+        for (const Ray& ray : {Ray{{bad, 0, 0}, {0, 0, 1}}, Ray{{0, bad, 0}, {0, 0, 1}},
+                               Ray{{0, 0, 0}, {0, 0, bad}}, Ray{{0, 0, 0}, {bad, 0, 1}}}) {
+            EXPECT_FALSE(scene.intersect(ray).valid());
+            EXPECT_FALSE(scene.occluded(ray));
+        }
+    }
+    EXPECT_FALSE(scene.intersect({{0, 0, 0}, {0, 0, 1}, kNan}).valid());
+    EXPECT_FALSE(scene.intersect({{0, 0, 0}, {0, 0, 1}, 0, kNan}).valid());
 }
 
 TEST(Intersector, WithWatertightFacesLeavesAClosedMeshAsOftenAsItEnters) {

@@ -137,6 +137,13 @@ TEST(MixtureFit, ScaleOfTheLightDoesNotMatter) {
         EXPECT_LT(divergence(mixture, fitted(kTwo, 10, 2000, 863, scale)), 1e-6) << scale;
 }
 
+TEST(MixtureFit, LightTooFaintToInvertIsFitted) {
+    // The mean of these weights is so small that its inverse is no float.
+    const VmfMixture mixture = fitted(kTwo, 10, 2000, 863, 0x1p-140f);
+    ASSERT_TRUE(is_sound(mixture));
+    EXPECT_LT(divergence(kTwo, mixture), 0.06);
+}
+
 TEST(MixtureFit, LobesThatSayTheSameBecomeOne) {
     // Eight lobes start, at the corners of a cube; few are left of light that comes in a single lobe.
     EXPECT_LE(lobes_of(fitted(kOneNarrow, 10, 4000, 877)), 4);

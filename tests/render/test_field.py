@@ -12,6 +12,7 @@ import scipy.stats
 from comparison import assert_same, moments
 from field_scenes import baffle_room, burning_smoke, cloud, glass_and_leaves
 from nephele import description as d
+from slabs import beam, closure, radiance, under_screen
 from truth import Scene, box, medium, perspective, placed
 
 SEEDS, BLOCK = 16, 8
@@ -46,6 +47,17 @@ def unguided(make):
 def test_the_field_does_not_change_the_image(make, way):
     samples, error = EFFORTS[make]
     assert_same(unguided(make), moments(make(), SEEDS, samples, BLOCK, **WAYS[way]), SEEDS, error)
+
+
+def test_many_guided_directions_in_a_row_add_no_fireflies():
+    """A deep, forward-peaked cloud under a sun: light that leaves it has scattered tens of times. Weights of
+    guided directions that multiplied without bound made the spread of pixels 1.9 times what it is unguided."""
+    scene = under_screen(16, closure((1, 1, 1), 0.85), lights=(beam(1.0, 1.0),))
+    guided = {**NONE, "guide_directions": True}
+    spread = [
+        radiance(scene, 64, 3, **settings)[..., 0].std() for settings in ({"train_field": "never"}, guided)
+    ]
+    assert spread[1] < 1.25 * spread[0]
 
 
 FEW = {"max_bounces": 4, "roulette_depth": 8}
