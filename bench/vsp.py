@@ -33,11 +33,12 @@ from bench.foundation import cpu_seconds  # noqa: E402
 @dataclass(frozen=True)
 class Workload:
     """A bundled scene. wants: in a word, how an ideal VSP compares with delta tracking's, or what is hard.
-    bounces: of each kind and of all together."""
+    bounces: of each kind and of all together. reference: the configuration that renders it."""
 
     path: str
     wants: str
     bounces: int
+    reference: str = "delta"
 
 
 SCENES = {
@@ -48,6 +49,8 @@ SCENES = {
     "cumulus": Workload("guiding/cumulus.blend", "wants about the same", 32),
     "milk": Workload("guiding/milk.blend", "adverse", 128),
     "overlap": Workload("overlap/overlap.blend", "chromatic", 16),
+    "door": Workload("indirect/door.blend", "indirect light", 32, "everything"),
+    "window": Workload("indirect/window.blend", "indirect light", 32, "everything"),
 }
 
 
@@ -102,7 +105,7 @@ class Bench:
             self.scene,
             options.reference_samples,
             **self.shared,
-            **CONFIGS[DELTA],
+            **CONFIGS[self.work.reference],
         )
 
     def measure(self, config, seed, samples):

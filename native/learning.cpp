@@ -101,7 +101,6 @@ void Learning::add(int x, int y, const PixelSample& sample, int set, Workspace& 
 }
 
 void Learning::collect(Workspace& ws) {
-    vertices_ += static_cast<double>(ws.vertices);
     lessons_.insert(lessons_.end(), ws.lessons.begin(), ws.lessons.end());
     for (std::size_t i = 0; i < trial_.size(); ++i)
         trial_[i] += ws.trial[i];
@@ -117,12 +116,12 @@ bool Learning::update(int samples) {
     if (field_ && !choice_.decided() && (samples >= kTrialEnds || choice_.paths(trial_) >= kTrialPaths))
         choice_.decide(trial_);
     if (field_ && !retired()) {
+        // Of all paths up to the next update: there are as many samples until then as from the start on.
+        const double expected =
+            static_cast<double>(lessons_.size()) / asked_share_ * samples / (samples - learned_at_);
         field_->update(std::move(lessons_));
         lessons_ = {};
-        // The samples up to the next update are as many as those from the start on.
-        const double expected = vertices_ * samples / (samples - learned_at_);
         asked_share_ = std::min({1.0, kMostLessons / std::max(expected, 1.0), kLessonSamples / samples});
-        vertices_ = 0;
     }
     learned_at_ = samples;
     return true;
@@ -142,8 +141,7 @@ std::optional<Techniques> Learning::chosen() const {
 void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
     if (!active())
         return;
-    saved[kState] = {static_cast<double>(learned_at_), vertices_, asked_share_,
-                     static_cast<double>(choice_.chosen())};
+    saved[kState] = {static_cast<double>(learned_at_), asked_share_, static_cast<double>(choice_.chosen())};
     saved[kTrial] = flattened(std::vector(trial_.begin(), trial_.end()));
     if (guides_)
         guides_->save(saved);
@@ -158,15 +156,16 @@ void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
 void Learning::restore(const std::map<std::string, std::vector<double>>& saved) {
     if (!active())
         return;
-    if (!saved.contains(kState) || saved.at(kState).size() != 4)
+    if (!saved.contains(kState) || saved.at(kState).size() != 3)
         throw std::invalid_argument(
             "the checkpoint holds nothing learned; render with the settings it was "
             "made with");
     const std::vector<double>& state = saved.at(kState);
     learned_at_ = static_cast<int>(state[0]);
-    vertices_ = state[1];
-    asked_share_ = state[2];
-    choice_.restore(static_cast<int>(state[3]));
+    if (!(state[1] > 0 && state[1] <= 1))
+        throw std::invalid_argument("the checkpoint is damaged ('learning_state'); render without it");
+    asked_share_ = state[1];
+    choice_.restore(static_cast<int>(state[2]));
     const auto trial = unflattened<TrialSums>(saved, kTrial);
     if (trial.size() != trial_.size())
         throw std::invalid_argument("the checkpoint is damaged ('trial'); render without it");

@@ -57,7 +57,6 @@ class Learning {
     std::vector<FieldSample> lessons_;
     TechniqueChoice choice_;
     Trial trial_{};
-    double vertices_ = 0;     // since the last update, lessons or not
     double asked_share_ = 1;  // of the paths that teach the field
     int learned_at_ = 0;      // samples per pixel when it learned last
 };

@@ -22,48 +22,10 @@ sys.path.insert(0, str(FOLDER.parent))
 import common  # noqa: E402  the folder above is on the path only now
 import shading  # noqa: E402
 from noise import fractal, gradient_noise, smoothstep  # noqa: E402
+from props import add_sun, box, cloud, glow, matt, sun_from  # noqa: E402
 
 RESOLUTION = (480, 270)
 MIST_SHAPE, MIST_VOXEL_M, SEED = (64, 88, 38), 0.16, 31
-
-
-def box(name, low, high, material, turn=0.0):
-    """A box between two corners, turned about the z axis through the middle of its base (radians)."""
-    low, high = np.array(low, float), np.array(high, float)
-    base = np.array([*((low + high) / 2)[:2], low[2]])
-    ob = common.link(name, common.box_mesh(name, low - base, high - base), tuple(base), material)
-    ob.rotation_euler = (0, 0, turn)
-    return ob
-
-
-def matt(name, *colour):
-    """Diffuse material of a linear colour."""
-    return shading.surface_material(name, "ShaderNodeBsdfDiffuse", Color=colour)[0]
-
-
-def glow(name, colour, strength):
-    """Emissive material: colour times strength is its radiance."""
-    return shading.surface_material(name, "ShaderNodeEmission", Color=colour, Strength=strength)[0]
-
-
-def cloud(name, albedo, density, g):
-    """Medium of a `density` grid: albedo, extinction per metre at density 1, anisotropy."""
-    inputs = {"Color": albedo, "Density": density, "Anisotropy": g}
-    return shading.volume_material(name, ("ShaderNodeVolumePrincipled", inputs))
-
-
-def sun_from(azimuth, elevation):
-    """Unit vector towards a sun at these angles in degrees, the azimuth counted from +x towards +y."""
-    azimuth, elevation = np.radians(azimuth), np.radians(elevation)
-    flat = np.cos(elevation)
-    return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
-
-
-def add_sun(direction, irradiance, colour):
-    """A sun lamp, one degree wide."""
-    common.add_light(
-        "SUN", "Sun", tuple(20 * direction), irradiance, colour, (0, 0, 0), angle=np.radians(1.0)
-    )
 
 
 def make_alley():

@@ -2,10 +2,24 @@
 // What a path tells about light at one of its vertices: the segment that leaves it, and what came back.
 #pragma once
 
+#include <cstdint>
+
 #include "base/vsp_record.h"
 #include "math/vec.h"
 
 namespace nephele {
+
+/// Which part of the field a vertex belongs to: volumes, or surfaces by the axis that their geometric normal
+/// is nearest to. The two faces of a thin wall see different light.
+enum class FieldPart : std::uint32_t { volume, minus_x, plus_x, minus_y, plus_y, minus_z, plus_z };
+inline constexpr int kFieldParts = 7;
+
+/// Of a surface. n: its geometric normal, on the side that the path is on.
+inline FieldPart part_facing(Vec3f n) {
+    const Vec3f a(std::abs(n.x), std::abs(n.y), std::abs(n.z));
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    return static_cast<FieldPart>(1 + 2 * axis + (n[axis] > 0 ? 1 : 0));
+}
 
 /// What one vertex teaches the guiding field. World space; light, scattering: mean over RGB.
 struct FieldSample {
@@ -19,8 +33,8 @@ struct FieldSample {
     float light = 0;             ///< radiance that came along wi: an unbiased sample of what light sampling
                                  ///< at p leaves over
     float cost = 0;              ///< work of the rest of the path
-    bool in_volume = false;      ///< whether the vertex is in a volume
-    VspRecord vsp;               ///< of the segment along wi
+    FieldPart part = FieldPart::volume;
+    VspRecord vsp;  ///< of the segment along wi
 };
 
 }  // namespace nephele

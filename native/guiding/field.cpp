@@ -22,28 +22,49 @@ bool usable(const FieldSample& s) {
 
 }  // namespace
 
-GuidingField::GuidingField(const Settings& settings, std::size_t memory)
-    : settings_(settings), volume_("volume", memory / 2), surface_("surface", memory / 2) {}
+GuidingField::GuidingField(const Settings& settings, std::size_t memory) : settings_(settings) {
+    trees_.emplace_back("volume", memory / 2);
+    for (const char* facing : {"minus_x", "plus_x", "minus_y", "plus_y", "minus_z", "plus_z"})
+        trees_.emplace_back(facing, memory / (2 * (kFieldParts - 1)));
+}
+
+std::size_t GuidingField::regions() const {
+    std::size_t sum = 0;
+    for (const FieldTree& tree : trees_)
+        sum += tree.regions();
+    return sum;
+}
+
+std::size_t GuidingField::memory() const {
+    std::size_t sum = 0;
+    for (const FieldTree& tree : trees_)
+        sum += tree.memory();
+    return sum;
+}
 
 void GuidingField::update(std::vector<FieldSample> samples) {
     std::erase_if(samples, [](const FieldSample& s) { return !usable(s); });
-    std::sort(samples.begin(), samples.end(),
-              [](const FieldSample& a, const FieldSample& b) { return a.key < b.key; });
-    const auto surface = std::stable_partition(samples.begin(), samples.end(),
-                                               [](const FieldSample& s) { return s.in_volume; });
-    volume_.update(settings_, {samples.begin(), surface});
-    surface_.update(settings_, {surface, samples.end()});
+    std::sort(samples.begin(), samples.end(), [](const FieldSample& a, const FieldSample& b) {
+        return a.part != b.part ? a.part < b.part : a.key < b.key;
+    });
+    auto first = samples.begin();
+    for (int part = 0; part < kFieldParts; ++part) {
+        const auto last = std::find_if(
+            first, samples.end(), [&](const FieldSample& s) { return static_cast<int>(s.part) != part; });
+        trees_[static_cast<std::size_t>(part)].update(settings_, {first, last});
+        first = last;
+    }
 }
 
 void GuidingField::save(std::map<std::string, std::vector<double>>& saved) const {
-    volume_.save(saved);
-    surface_.save(saved);
+    for (const FieldTree& tree : trees_)
+        tree.save(saved);
 }
 
 void GuidingField::restore(const std::map<std::string, std::vector<double>>& saved) {
     GuidingField field(*this);  // what is refused changes nothing
-    field.volume_.restore(saved);
-    field.surface_.restore(saved);
+    for (FieldTree& tree : field.trees_)
+        tree.restore(saved);
     *this = std::move(field);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The guiding field: what is known of light at every place and in every direction, learned from the paths of
-// the render itself. Two kd-trees over space, one for vertices in volumes and one for those on surfaces;
+// the render itself. Kd-trees over space, one for vertices in volumes and one for surfaces of each facing;
 // their leaves are FieldRegions, and are parted where paths go often (Mueller, Gross, Novak 2017, "Practical
 // Path Guiding"; Herholz et al. 2019).
 //
@@ -23,17 +23,17 @@ class GuidingField {
     GuidingField(const Settings& settings, std::size_t memory);
 
     /// The region around p, or null where nothing has been learned.
-    const FieldRegion* find(Vec3f p, bool in_volume) const {
-        return (in_volume ? volume_ : surface_).find(p);
+    const FieldRegion* find(Vec3f p, FieldPart part) const {
+        return trees_[static_cast<std::size_t>(part)].find(p);
     }
 
     /// Learns from a batch, on all threads of the caller's arena. What comes of it depends on the samples and
     /// their keys, not on their order or the threads. Samples that are not finite are left out.
     void update(std::vector<FieldSample> samples);
 
-    std::size_t regions() const { return volume_.regions() + surface_.regions(); }
+    std::size_t regions() const;
     /// Bytes that the trees take.
-    std::size_t memory() const { return volume_.memory() + surface_.memory(); }
+    std::size_t memory() const;
 
     /// The state, for checkpoints and other renders. Throws std::invalid_argument where it is damaged.
     void save(std::map<std::string, std::vector<double>>& saved) const;
@@ -41,7 +41,7 @@ class GuidingField {
 
   private:
     Settings settings_;
-    FieldTree volume_, surface_;
+    std::vector<FieldTree> trees_;  // of each FieldPart
 };
 
 }  // namespace nephele

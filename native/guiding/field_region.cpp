@@ -76,6 +76,9 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
         keep(kLongestMemory / count_);
     learn_share(samples);  // by the mixture that drew them
     learn_worth(samples);
+    // What has not been seen yet may come from where the lobes are not: half of the directions look for it.
+    if (few_bring_all())
+        guided_share = std::min(guided_share, 0.5f);
     std::vector<MixtureSample> directions;
     directions.reserve(samples.size());
     constexpr float kNearest = 1e-12f;  // m
@@ -86,7 +89,8 @@ void FieldRegion::update(const Settings& settings, std::span<const FieldSample> 
         const float length_seen = near ? length(seen) : 1;
         if (!(length_seen > 0))
             continue;
-        directions.push_back({seen / length_seen, s.light / s.pdf, near ? 1 / std::max(length_seen, kNearest) : 0});
+        directions.push_back(
+            {seen / length_seen, s.light / s.pdf, near ? 1 / std::max(length_seen, kNearest) : 0});
     }
     fit_.update(mixture, directions);
     if (!(fit_.samples() > 0))
@@ -152,12 +156,16 @@ void FieldRegion::learn_worth(std::span<const FieldSample> samples) {
         cost_ += s.cost;
     }
     count_ += static_cast<float>(samples.size());
-    // Where few samples bring nearly all, most of what there is was not seen yet: paths that were ended there
-    // would leave it to ever fewer.
-    constexpr float kEnough = 64;
-    const bool known = cost_ > 0 && all_square_ > 0 && all_light_ * (all_light_ / all_square_) >= kEnough;
+    // Paths that were ended where much has not been seen yet would leave it to ever fewer.
+    const bool known = cost_ > 0 && !few_bring_all();
     worth = known ? std::sqrt(square_ / cost_) : 0;
     split_worth = known ? std::sqrt(std::max(square_ - light_ * light_ / count_, 0.0f) / cost_) : 0;
+}
+
+/// Whether a few of the samples hold nearly all of the light: then most of what there is was not seen yet.
+bool FieldRegion::few_bring_all() const {
+    constexpr float kEnough = 64;
+    return !(all_square_ > 0) || all_light_ * (all_light_ / all_square_) < kEnough;
 }
 
 void FieldRegion::learn_segments(const Settings& settings, std::span<const FieldSample> samples) {

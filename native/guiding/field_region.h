@@ -47,6 +47,7 @@ class FieldRegion {
     void keep(float share);
     void learn_share(std::span<const FieldSample> samples);
     void learn_worth(std::span<const FieldSample> samples);
+    bool few_bring_all() const;
     void learn_segments(const Settings& settings, std::span<const FieldSample> samples);
 
     MixtureFit fit_;

@@ -22,7 +22,6 @@ struct Workspace {
     Segment segment, shadow;
     std::vector<OpenSegment> open;     ///< segments of the path so far; see PathRecord
     std::vector<FieldSample> lessons;  ///< what paths taught the field
-    std::uint64_t vertices = 0;        ///< that could have taught it, whether their path was asked or not
     Trial trial{};
     Counters counters;
     std::uint64_t nonfinite_samples = 0;

@@ -45,7 +45,7 @@ class Path : private PathLight {
         Densities densities;
         bool specular;
         std::uint32_t kind;
-        bool in_volume;
+        FieldPart part;
     };
 
     /// One segment; false where the branch ends.
@@ -114,7 +114,7 @@ class Path : private PathLight {
             walk_.first = First::volume;
         const Vec3f p = walk_.ray.at(stream.t);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
-        light_volume(p, phase, guide_in_volume(region_at(p, true), p));
+        light_volume(p, phase, guide_in_volume(region_at(p, FieldPart::volume), p));
         walk_.first = first;
         walk_.beta = beta;
         segment.gathered = light() - before;
@@ -130,7 +130,7 @@ class Path : private PathLight {
         }
         if (walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces)
             return false;
-        const FieldRegion* region = region_at(p, true);
+        const FieldRegion* region = region_at(p, FieldPart::volume);
         const DirectionGuide guide = guide_in_volume(region, p);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
         if (!walk_.lit)
@@ -163,7 +163,7 @@ class Path : private PathLight {
         walk_.guided_weight *= scatter_pdf / pdf;
         ++walk_.volume_bounces;
         const Densities densities{pdf, scatter_pdf, guide_pdf, mean(walk_.beta) * pdf / before};
-        return continue_from({p, p, wi, densities, false, kVolumeRay, true}, region);
+        return continue_from({p, p, wi, densities, false, kVolumeRay, FieldPart::volume}, region);
     }
 
     bool meet_surface(const ShadingPoint& point) {
@@ -174,7 +174,8 @@ class Path : private PathLight {
             add_surface_emission(point, bsdf.emission);
         const bool exhausted =
             walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
-        const FieldRegion* region = bsdf.has_smooth() && !exhausted ? region_at(point.p, false) : nullptr;
+        const FieldRegion* region =
+            bsdf.has_smooth() && !exhausted ? region_at(point.p, part_facing(point.ng)) : nullptr;
         const DirectionGuide guide = guide_at(region, point.p);
         if (!exhausted && bsdf.has_smooth())
             light_surface(point, bsdf, guide);
@@ -208,8 +209,9 @@ class Path : private PathLight {
         const auto from = scene_.departure(point, sample->wi, sample->crosses);
         Densities densities = drawn_;
         densities.scattering = mean(walk_.beta) * drawn_.pdf / before;
-        return continue_from(
-            {from.o, from.vertex, sample->wi, densities, sample->specular, sample->kind, false}, region);
+        return continue_from({from.o, from.vertex, sample->wi, densities, sample->specular, sample->kind,
+                              part_facing(point.ng)},
+                             region);
     }
 
     /// A direction from the BSDF or the guide, whose densities are in drawn_; the sample's is that of both.
@@ -300,7 +302,7 @@ class Path : private PathLight {
             segment.vertex.guide_pdf = from.densities.guide_pdf;
             segment.vertex.scattering = from.densities.scattering;
         }
-        segment.vertex.in_volume = from.in_volume;
+        segment.vertex.part = from.part;
         record_.open(segment, light());
     }
 

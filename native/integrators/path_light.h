@@ -80,17 +80,17 @@ class PathLight {
 
     ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, walk_.ray, walk_.kind); }
 
-    const FieldRegion* region_at(Vec3f p, bool in_volume) {
+    const FieldRegion* region_at(Vec3f p, FieldPart part) {
         if (!request_.field || !request_.use.any())
             return nullptr;
         ++ws_.counters.field_queries;
-        return request_.field->find(p, in_volume);
+        return request_.field->find(p, part);
     }
     DirectionGuide guide_at(const FieldRegion* region, Vec3f p) const {
         if (!region || !request_.use.directions)
             return {};
-        // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a path
-        // whose weight has grown is guided less, and not at all from kMostGuidedWeight on.
+        // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a
+        // path whose weight has grown is guided less, and not at all from kMostGuidedWeight on.
         return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / kMostGuidedWeight)};
     }
     /// The same for the media in ws_.tracking.shares.

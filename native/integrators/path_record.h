@@ -36,11 +36,8 @@ class PathRecord {
     void close(std::size_t first, Rgb light) {
         while (ws_.open.size() > first) {
             OpenSegment& segment = ws_.open.back();
-            if (segment.vertex.pdf > 0) {
-                ++ws_.vertices;
-                if (request_.teaches)
-                    teach(segment, light);
-            }
+            if (segment.vertex.pdf > 0 && request_.teaches)
+                teach(segment, light);
             ws_.open.pop_back();
         }
     }

@@ -18,7 +18,7 @@ struct Walk {
     enum class First { none, surface, volume } first = First::none;  ///< event of the path
     LampsOnTheWay way;                                               ///< from the last vertex
     float previous_pdf = 0;
-    float guided_weight = 1;  ///< what drawing directions by the field has made of beta so far
+    float guided_weight = 1;        ///< what drawing directions by the field has made of beta so far
     bool previous_specular = true;  ///< the camera: nothing else could have found what it sees
     bool lit = false;               ///< direct light was taken where the path scatters
     bool weighed = false;           ///< the last vertex ended and split branches by what they bring

@@ -33,7 +33,8 @@ std::vector<FieldSample> batch_of(int n, Rng& rng, std::uint64_t first_key = 0) 
         s.pdf = 0.5f * kInv4Pi + 0.5f * vmf_pdf({to_lamp, 100}, wi);
         s.distance = dot(wi, to_lamp) > 0.95f ? length(lamp - p) : kInfinity;
         s.key = first_key + static_cast<std::uint64_t>(i);
-        s.in_volume = rng.next() < 0.5f;
+        s.part =
+            static_cast<FieldPart>(std::max(0, static_cast<int>(rng.next() * 12) - 5));  // half in volumes
         s.vsp = record_of(1, 0.5f, rng);
         out.push_back(s);
     }
@@ -54,9 +55,9 @@ Saved saved(const GuidingField& field) {
 
 TEST(GuidingField, KnowsNothingAtFirst) {
     GuidingField field(kSettings, kMemory);
-    EXPECT_EQ(field.find({}, true), nullptr);
+    EXPECT_EQ(field.find({}, FieldPart::volume), nullptr);
     field.update({});
-    EXPECT_EQ(field.find({}, false), nullptr);
+    EXPECT_EQ(field.find({}, FieldPart::plus_z), nullptr);
     EXPECT_EQ(field.regions(), 0U);
     EXPECT_EQ(field.memory(), 0U);
 }
@@ -64,18 +65,28 @@ TEST(GuidingField, KnowsNothingAtFirst) {
 TEST(GuidingField, KeepsVolumesAndSurfacesApart) {
     Rng rng(983);
     auto samples = batch_of(1000, rng);
-    std::erase_if(samples, [](const FieldSample& s) { return !s.in_volume; });
+    std::erase_if(samples, [](const FieldSample& s) { return s.part != FieldPart::volume; });
     GuidingField field(kSettings, kMemory);
     field.update(samples);
-    EXPECT_NE(field.find({}, true), nullptr);
-    EXPECT_EQ(field.find({}, false), nullptr);
+    EXPECT_NE(field.find({}, FieldPart::volume), nullptr);
+    EXPECT_EQ(field.find({}, FieldPart::plus_z), nullptr);
     for (FieldSample& s : samples)
-        s.in_volume = false;
+        s.part = FieldPart::plus_z;
     field.update(samples);
-    ASSERT_NE(field.find({}, false), nullptr);
-    EXPECT_NE(field.find({}, false), field.find({}, true));
+    ASSERT_NE(field.find({}, FieldPart::plus_z), nullptr);
+    EXPECT_NE(field.find({}, FieldPart::plus_z), field.find({}, FieldPart::volume));
+    EXPECT_EQ(field.find({}, FieldPart::minus_z), nullptr) << "the other face of a wall";
     for (const float far : {-1e30f, 1e30f, kInfinity})
-        EXPECT_NE(field.find(Vec3f(far), true), nullptr) << "the tree covers all of space";
+        EXPECT_NE(field.find(Vec3f(far), FieldPart::volume), nullptr) << "the tree covers all of space";
+}
+
+TEST(GuidingField, PartsOfSurfacesAreTheirFacings) {
+    EXPECT_EQ(part_facing({-1, 0, 0}), FieldPart::minus_x);
+    EXPECT_EQ(part_facing({0.9f, 0.3f, -0.3f}), FieldPart::plus_x);
+    EXPECT_EQ(part_facing({0.1f, -0.7f, 0.6f}), FieldPart::minus_y);
+    EXPECT_EQ(part_facing({0, 1, 0}), FieldPart::plus_y);
+    EXPECT_EQ(part_facing({0.5f, 0.5f, -0.6f}), FieldPart::minus_z);
+    EXPECT_EQ(part_facing({0, 0, 1}), FieldPart::plus_z);
 }
 
 TEST(GuidingField, IsTheSameOnAnyThreads) {
@@ -103,8 +114,8 @@ TEST(GuidingField, PointsAtTheLamp) {
     Rng rng(1009);
     for (int i = 0; i < 100; ++i) {
         const Vec3f p = rng.next3() * 2 - Vec3f(1);
-        for (const bool in_volume : {false, true}) {
-            const FieldRegion& region = *field.find(p, in_volume);
+        for (const FieldPart part : {FieldPart::volume, FieldPart::plus_z}) {
+            const FieldRegion& region = *field.find(p, part);
             const VmfMixture seen = region.mixture.seen_from(p - region.pivot);
             EXPECT_GT(seen.pdf(normalize(Vec3f(0.3f, 0.2f, 3) - p)), 10 * kInv4Pi);
             EXPECT_GT(region.guided_share, 0);
@@ -118,7 +129,7 @@ TEST(GuidingField, IsPartedWhereSamplesAreMany) {
     for (int i = 0; i < 4; ++i) {
         auto samples = batch_of(20000, rng);
         for (FieldSample& s : samples) {
-            s.in_volume = true;
+            s.part = FieldPart::volume;
             if (rng.next() < 0.9f)
                 s.p = Vec3f(0.5f) + s.p * 0.05f;  // nine tenths in a small part
         }
@@ -128,7 +139,7 @@ TEST(GuidingField, IsPartedWhereSamplesAreMany) {
     const auto distinct = [&](Vec3f centre, float half) {
         std::vector<const FieldRegion*> found;
         for (int i = 0; i < 1000; ++i)
-            found.push_back(field.find(centre + (rng.next3() * 2 - Vec3f(1)) * half, true));
+            found.push_back(field.find(centre + (rng.next3() * 2 - Vec3f(1)) * half, FieldPart::volume));
         std::sort(found.begin(), found.end());
         return std::unique(found.begin(), found.end()) - found.begin();
     };
@@ -144,7 +155,7 @@ TEST(GuidingField, PlacesThatAreAllButOneAreNotParted) {
             auto samples = batch_of(10000, rng);
             for (std::size_t j = 0; j < samples.size(); ++j) {
                 samples[j].p = {1 + (j % 2 == 0 ? 0 : apart), 2, 3};
-                samples[j].in_volume = true;
+                samples[j].part = FieldPart::volume;
             }
             field.update(samples);
         }
@@ -162,7 +173,7 @@ TEST(GuidingField, KeepsToItsMemory) {
     }
     EXPECT_GT(field.memory(), kLittle / 2);
     none.update(batch_of(20000, rng));
-    EXPECT_EQ(none.regions(), 2U) << "one a tree in any case";
+    EXPECT_EQ(none.regions(), std::size_t{kFieldParts}) << "one a tree in any case";
 }
 
 TEST(GuidingField, EndlessSmallBatchesLeaveItSound) {
@@ -178,9 +189,9 @@ TEST(GuidingField, EndlessSmallBatchesLeaveItSound) {
     EXPECT_GT(field.regions(), 2U);
     GuidingField other(kSettings, kLittle);
     EXPECT_NO_THROW(other.restore(saved(field))) << "all numbers are sound";
-    for (const bool in_volume : {false, true}) {
+    for (const FieldPart part : {FieldPart::volume, FieldPart::plus_z}) {
         for (int i = 0; i < 100; ++i) {
-            const FieldRegion& region = *field.find(rng.next3() * 2 - Vec3f(1), in_volume);
+            const FieldRegion& region = *field.find(rng.next3() * 2 - Vec3f(1), part);
             double total = 0;
             for (const float w : region.mixture.weight)
                 total += double{w};

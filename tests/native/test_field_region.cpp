@@ -123,6 +123,20 @@ TEST(FieldRegion, GuidesWhatIsHardToFind) {
     EXPECT_EQ(misled.guided_share, 0);
 }
 
+TEST(FieldRegion, LooksElsewhereWhereFewSamplesBringAll) {
+    // One in so many samples of a narrow lobe, all that brings light.
+    const auto share_at = [](float seldom) {
+        return taught([&](FieldSample& s, Rng& rng) {
+                   const bool found = rng.next() < seldom;
+                   s.wi = found ? vmf_sample({kA, 400}, rng.next2()) : sample_sphere(rng.next2());
+                   s.light = found ? 1 : 0;
+               })
+            .guided_share;
+    };
+    EXPECT_GT(share_at(0.02f), 0.5f);   // about 320 of 16000
+    EXPECT_EQ(share_at(0.002f), 0.5f);  // about 32
+}
+
 TEST(FieldRegion, WorthIsTheRootOfSecondMomentPerWork) {
     const auto constant = [](FieldSample& s, Rng&) {
         s.light = 2;  // times scattering, divided by pdf
