@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-vsp scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-vsp bench-guiding scenes bake clean
 
 python := .venv/bin/python
 
@@ -13,7 +13,7 @@ ARGS ?=
 FILES ?=
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: ## install Debian packages and .venv, where missing
 	@scripts/setup.sh
@@ -50,6 +50,11 @@ bench: build ## measure, and write the report
 
 bench-vsp: build ## measure the guiding of the volume scattering probability (hours; see ARGS="--help")
 	$(python) bench/vsp.py $(ARGS)
+
+bench-guiding: build ## measure the guiding field beside Cycles and Mitsuba (hours; see ARGS="--help")
+	@scripts/setup.sh bench
+	$(python) bench/vsp.py --configs delta,vspg,directions,directions+segments,everything,auto \
+	    --cycles --mitsuba $(ARGS)
 
 scenes: build ## make the bundled .blend files anew from their scripts
 	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What guiding the volume scattering probability (VSP) brings and costs: error times CPU time against delta
-tracking, at equal samples and at equal CPU time, in scenes that ask for more, less and the same scattering.
+"""What guiding brings and costs, of the volume scattering probability (VSP) and by the field: error times CPU
+time against delta tracking, at equal samples and at equal CPU time, in scenes that ask for more, less and
+the same scattering, and in two lit only indirectly.
 
     python bench/vsp.py [--scenes alley,milk] [--configs delta,vspg] [--resolution 160x90] [--seeds 5]
         [--samples 64] [--reference-samples 8192] [--no-equal-time] [--cycles] [--output FILE.json]
@@ -9,7 +10,9 @@ Two passes over each scene. First every configuration renders the same samples w
 its efficiency is (relMSE x CPU seconds) of delta tracking over its own. Then each gets as many samples as
 fit into delta tracking's CPU time, and its gain is delta tracking's relMSE over its own. CPU time is that
 of the process from the scene in memory to the finished image: preparation and learning count. The
-reference is delta tracking's (see reference.py). Prints Markdown, writes out/bench/vsp.json.
+reference is delta tracking's, in the scenes lit indirectly that of the whole field (see reference.py).
+--cycles: Cycles too, without and with its path guiding. --mitsuba: Mitsuba 3's volpathmis too, in the scenes
+that it can express. Prints Markdown, writes out/bench/vsp.json.
 """
 
 import argparse
@@ -26,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from nephele import parameters  # noqa: E402  the project's root is on the path only now
 
-from bench import cycles, ours, reference, vsp_report  # noqa: E402
+from bench import cycles, mitsuba, ours, reference, vsp_report  # noqa: E402
 from bench.foundation import cpu_seconds  # noqa: E402
 
 
@@ -87,6 +90,7 @@ CONFIGS = {
     "everything": field(guide_directions=True, vsp_secondary=True, guided_roulette=True),
     "auto": {},  # as users get it
 }
+CYCLES = {"Cycles": False, "Cycles, guided": True}  # whether by its path guiding
 
 
 class Bench:
@@ -96,6 +100,7 @@ class Bench:
         self.name, self.work, self.options = name, SCENES[name], options
         self.path = ROOT / "blend_scenes" / self.work.path
         self.scene = ours.export(self.path, folder, options.resolution)
+        self.description = Path(folder, "scene.nephele")
         limits = dict.fromkeys(("max_bounces", "surface_bounces", "volume_bounces"), self.work.bounces)
         self.shared = {"pixel_filter": "box", "threads": options.threads, **limits}
         ours.render(self.scene, (0,), samples=1, **self.shared)  # from now on the grids are in memory
@@ -139,20 +144,36 @@ class Bench:
                 runs[config].append(self.measure(config, seed, samples))
         return runs
 
-    def with_cycles(self, budget):
+    def with_cycles(self, budget, guiding):
         """Returns runs of Cycles at about `budget` CPU seconds an image; the first seed, which pays for what
-        Cycles keeps from one image to the next, is left out."""
-        pilot = self.cycles_job(8, (1, 2))
+        Cycles keeps from one image to the next, is left out. guiding: whether by its path guiding."""
+        pilot = self.cycles_job(8, (1, 2), guiding)
         samples = fitting_samples(8, cycles.render(pilot).cpu_seconds[-1], budget)
         seeds = tuple(range(201, 202 + self.options.seeds))
-        renders = cycles.render(self.cycles_job(samples, seeds))
+        renders = cycles.render(self.cycles_job(samples, seeds, guiding))
         rows = zip(seeds, renders.cpu_seconds, renders.passes["Combined"], strict=True)
         return [
             {"seed": seed, "samples": samples, "cpu": float(cpu), **self.reference.error(image)}
             for seed, cpu, image in list(rows)[1:]
         ]
 
-    def cycles_job(self, samples, seeds):
+    def with_mitsuba(self, budget):
+        """Returns runs of Mitsuba at about `budget` CPU seconds an image, none where it cannot render this
+        scene. Surfaces differ a little: the error holds that difference too."""
+        try:
+            _, seconds = mitsuba.render(self.description, 8, (1, 2), self.work.bounces)
+        except mitsuba.NotExpressible as error:
+            print(f"{self.name}: not for Mitsuba: {error}", file=sys.stderr)
+            return []
+        samples = fitting_samples(8, seconds[-1], budget)
+        seeds = tuple(range(301, 301 + self.options.seeds))
+        images, seconds = mitsuba.render(self.description, samples, seeds, self.work.bounces)
+        return [
+            {"seed": seed, "samples": samples, "cpu": float(cpu), **self.reference.error(image)}
+            for seed, cpu, image in zip(seeds, seconds, images, strict=True)
+        ]
+
+    def cycles_job(self, samples, seeds, guiding):
         """Returns the cycles.Job of this scene, with the light tree, as Cycles' users have it."""
         return cycles.Job(
             str(self.path),
@@ -162,6 +183,7 @@ class Bench:
             self.work.bounces,
             threads=self.options.threads,
             pixel_filter="BOX",
+            guiding=guiding,
             light_tree=True,
         )
 
@@ -175,8 +197,12 @@ class Bench:
         row["equal_samples"] = self.equal_samples()
         if self.options.equal_time:
             row["equal_time"] = self.equal_time(row["equal_samples"])
+        budget = median(row["equal_samples"][DELTA], "cpu")
+        row["others"] = {}
         if self.options.cycles:
-            row["cycles"] = self.with_cycles(median(row["equal_samples"][DELTA], "cpu"))
+            row["others"] = {name: self.with_cycles(budget, guiding) for name, guiding in CYCLES.items()}
+        if self.options.mitsuba and (runs := self.with_mitsuba(budget)):
+            row["others"]["Mitsuba"] = runs
         row["summary"] = summary(row)
         return row
 
@@ -226,7 +252,7 @@ def summary(row):
         for name, gain in (("relmse", "efficiency"), ("relmse_trimmed", "efficiency_trimmed")):
             own[gain] = ratio(base[name], own[name] * cost)
         result[config] = {"equal_samples": own}
-    timed = row.get("equal_time", {}) | ({"Cycles": row["cycles"]} if "cycles" in row else {})
+    timed = row.get("equal_time", {}) | row.get("others", {})
     base = medians(timed[DELTA]) if DELTA in timed else base
     for config, runs in timed.items():
         own = medians(runs)
@@ -253,7 +279,10 @@ def parsed_options():
     parser.add_argument("--reference-samples", type=int, default=8192)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--no-equal-time", dest="equal_time", action="store_false")
-    parser.add_argument("--cycles", action="store_true", help="also Cycles at equal CPU time")
+    parser.add_argument(
+        "--cycles", action="store_true", help="also Cycles at equal CPU time, without and with path guiding"
+    )
+    parser.add_argument("--mitsuba", action="store_true", help="also Mitsuba 3 (scripts/setup.sh bench)")
     parser.add_argument("--output", type=Path, default=ROOT / "out" / "bench" / "vsp.json")
     options = parser.parse_args()
     for what, names, known in (

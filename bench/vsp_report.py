@@ -64,17 +64,34 @@ def scene_table(name, results):
 
 
 def overview(results):
-    """Returns the table of trimmed efficiencies: scenes by configurations, with geometric means."""
+    """Returns tables of efficiencies at equal samples and of gains at equal CPU time, trimmed in brackets:
+    scenes by configurations, with geometric means."""
+    tables = [table(results, "Efficiency", "equal_samples", "efficiency")]
+    if any("equal_time" in row for scene in results["scenes"].values() for row in scene["summary"].values()):
+        tables.append(table(results, "Gain at equal CPU time", "equal_time", "gain"))
+    return "\n".join(tables)
+
+
+def table(results, title, part, figure):
+    """Returns the table of one figure; configurations that were never measured so are left out."""
     rows = {name: scene["summary"] for name, scene in results["scenes"].items()}
-    configs = results["options"]["configs"]
     lines = [
-        "### Efficiency (trimmed) against delta tracking",
+        f"### {title} against delta tracking (without the worst 0.1 % of the pixels)",
         "",
         f"| configuration | {' | '.join(rows)} | geometric mean |",
         "|---" * (len(rows) + 2) + "|",
     ]
-    for config in configs:
-        values = [summary[config]["equal_samples"]["efficiency_trimmed"] for summary in rows.values()]
-        mean = math.prod(values) ** (1 / len(values)) if None not in values else None
-        lines.append(f"| {config} | {' | '.join(map(number, values))} | {number(mean)} |")
-    return "\n".join(lines)
+    for config in dict.fromkeys(config for summary in rows.values() for config in summary):
+        measured = [summary.get(config, {}).get(part) for summary in rows.values()]
+        if not any(measured):
+            continue
+        pairs = [(row[figure], row[f"{figure}_trimmed"]) if row else (None, None) for row in measured]
+        pairs.append(tuple(geometric_mean(values) for values in zip(*pairs, strict=True)))
+        texts = [f"{number(raw)} ({number(trimmed)})" for raw, trimmed in pairs]
+        lines.append(f"| {config} | {' | '.join(texts)} |")
+    return "\n".join([*lines, ""])
+
+
+def geometric_mean(values):
+    """Returns it, None if one of the values is."""
+    return None if None in values else math.prod(values) ** (1 / len(values))

@@ -3,7 +3,8 @@
 #
 # Makes a clone ready to build: Debian packages, .venv with pinned Python packages, and the package `nephele`
 # (the folder addon/) installed there in editable form. Each step leaves a stamp holding what it was made from,
-# so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`.
+# so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`, `setup.sh bench`
+# the other renderers that bench/ measures against.
 #
 # PYTHON=PATH chooses the Python 3.11 that .venv is made from.
 
@@ -79,6 +80,18 @@ install_requirements() {
     write_stamp requirements "$made_from"
 }
 
+install_bench() {
+    local made_from
+    made_from=$(sha256sum bench/requirements.txt)
+    if stamp_is bench "$made_from"; then
+        return
+    fi
+    step "Installing the renderers of bench/requirements.txt"
+    quietly build/bench.log "check the network, then try again" \
+        .venv/bin/python -m pip --disable-pip-version-check install --no-deps --requirement bench/requirements.txt
+    write_stamp bench "$made_from"
+}
+
 install_nephele() {
     local made_from
     made_from=$(sha256sum pyproject.toml)
@@ -108,4 +121,7 @@ fi
 ensure_packages "${packages[@]}"
 make_venv "$python"
 install_requirements
+if [[ ${1:-} == bench ]]; then
+    install_bench
+fi
 install_nephele

@@ -2,11 +2,13 @@
 """Stand-ins for the native module and the exporter, so that the command line is tested by itself.
 
 The fake renderer averages samples that depend on (seed, sample number) only, one after the other on a thread,
-with the interface of nephele_native.Renderer. SECONDS_PER_SAMPLE can be set to make it slow.
+with the interface of nephele_native.Renderer. SECONDS_PER_SAMPLE can be set to make it slow, INTERRUPT_AT to
+have the process interrupted after that many samples.
 """
 
 import hashlib
 import os
+import signal
 import sys
 import threading
 import time
@@ -32,6 +34,7 @@ def scene_features(scene):
 
 class Renderer:
     SECONDS_PER_SAMPLE = 0.0
+    INTERRUPT_AT = None
 
     def __init__(self, scene):
         for volume in scene.volumes:
@@ -60,6 +63,8 @@ class Renderer:
                 key = hashlib.sha256(f"{self.settings['seed']} {self.done} {name}".encode()).digest()
                 total += np.random.default_rng(list(key)).random(total.shape)
             self.done += 1
+            if self.done == self.INTERRUPT_AT:
+                os.kill(os.getpid(), signal.SIGINT)
             self.cancelled.wait(self.SECONDS_PER_SAMPLE)
             self.seconds = time.monotonic() - begin
 

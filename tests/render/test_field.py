@@ -51,7 +51,7 @@ def test_the_field_does_not_change_the_image(make, way):
 
 def test_many_guided_directions_in_a_row_add_no_fireflies():
     """A deep, forward-peaked cloud under a sun: light that leaves it has scattered tens of times. Weights of
-    guided directions that multiplied without bound made the spread of pixels 1.9 times what it is unguided."""
+    guided directions that multiplied without bound made the spread of pixels 1.9 times the unguided."""
     scene = under_screen(16, closure((1, 1, 1), 0.85), lights=(beam(1.0, 1.0),))
     guided = {**NONE, "guide_directions": True}
     spread = [

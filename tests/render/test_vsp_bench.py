@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The measuring of VSP guiding (bench/vsp.py): its arithmetic, and one tiny run from end to end."""
+"""The measuring of guiding (bench/vsp.py): its arithmetic, what Mitsuba gets, one tiny run."""
 
+import dataclasses
 import json
 import subprocess
 import sys
@@ -8,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nephele.description import Closure, Phase, Program, VolumeClosure
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
-from bench import vsp  # noqa: E402  the project's root is on the path only now
+from bench import mitsuba, vsp  # noqa: E402  the project's root is on the path only now
 from bench.reference import Reference  # noqa: E402
 
 
@@ -73,3 +75,28 @@ def test_tiny_run(tmp_path):
         assert all(run["cpu"] > 0 and run["samples"] >= 1 for run in runs)
     assert scene["summary"]["delta"]["equal_samples"]["efficiency"] == pytest.approx(1.0)
     assert len(list(tmp_path.glob("vsp_references/cumulus-16x9-16-*.npz"))) == 1
+
+
+def test_what_mitsuba_cannot_express_is_said():
+    """Textures, mixtures and other phase functions are refused; what is constant is handed over as it is."""
+    red = Program(np.float32([[1, 1, 1], [0.6, 0.2, 0.1]]), closures=(Closure("diffuse", 0, (1, -1, -1)),))
+    reflectance = mitsuba.surface(red)["bsdf"]["bsdf"]["reflectance"]["value"]
+    assert reflectance == pytest.approx([0.6, 0.2, 0.1])
+    for changed in (
+        dataclasses.replace(red, code=np.zeros((1, 8), np.int32)),
+        dataclasses.replace(red, closures=(*red.closures, *red.closures)),
+        dataclasses.replace(red, closures=(Closure("translucent", 0, (1, -1)),)),
+    ):
+        with pytest.raises(mitsuba.NotExpressible):
+            mitsuba.surface(changed)
+    fog = VolumeClosure((0.05, 0.1, 0.2), (0.05, 0.0, 0.2), phase=Phase("henyey_greenstein", 0.3))
+    medium = mitsuba.medium((fog,))
+    assert medium["sigma_t"]["value"] == pytest.approx([0.1, 0.1, 0.4])
+    assert medium["albedo"]["value"] == pytest.approx([0.5, 1, 0.5])
+    assert medium["phase"]["g"] == pytest.approx(0.3)
+    for changed in (
+        dataclasses.replace(fog, density_grid="density"),
+        dataclasses.replace(fog, phase=Phase("rayleigh")),
+    ):
+        with pytest.raises(mitsuba.NotExpressible):
+            mitsuba.medium((changed,))
