@@ -3,6 +3,7 @@
 registered."""
 
 import importlib.util
+import signal
 import sys
 from pathlib import Path
 
@@ -23,6 +24,8 @@ def _import_package():
 
 
 _import_package()
+# A shell that starts the tests in the background has SIGINT ignored, and children would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

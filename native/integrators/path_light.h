@@ -26,7 +26,7 @@ class PathLight {
 
   protected:
     using First = Walk::First;
-    static constexpr float kMostGuidedWeight = 4;
+    static constexpr float kMostGuidedWeight = 2;
 
     /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
