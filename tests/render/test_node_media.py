@@ -138,7 +138,7 @@ def test_program_of_a_constant_times_a_grid_is_what_needs_no_program(interpolati
         scene = Scene(perspective((0.1, -2.5, 0.5), (0, 0, 0), 0.25), SKY)
         scene.add_volume(MEDIA, *closures)
         results.append(
-            moments(scene, SEEDS, 64, 6, 12, seed=100 * k, interpolation=interpolation, **BOX_FILTER)
+            moments(scene, SEEDS, 144, 6, 12, seed=100 * k, interpolation=interpolation, **BOX_FILTER)
         )
     assert_same(*results, SEEDS, error=0.008)
 
