@@ -176,7 +176,7 @@ class Path : private PathLight {
             walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
         const FieldRegion* region =
             bsdf.has_smooth() && !exhausted ? region_at(point.p, part_facing(point.ng)) : nullptr;
-        const DirectionGuide guide = guide_at(region, point.p);
+        const DirectionGuide guide = guide_at(region, point.p, kMostSurfaceWeight);
         if (!exhausted && bsdf.has_smooth())
             light_surface(point, bsdf, guide);
         const int branches = exhausted ? 1 : roulette(region);

@@ -26,7 +26,9 @@ class PathLight {
 
   protected:
     using First = Walk::First;
-    static constexpr float kMostGuidedWeight = 2;
+    /// Bounds of the weight that guided directions in a row may come to: light that leaves a volume may have
+    /// scattered tens of times there, on surfaces a few times.
+    static constexpr float kMostVolumeWeight = 2, kMostSurfaceWeight = 4;
 
     /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
     LampHit nearest_lamp(float end) const {
@@ -86,16 +88,16 @@ class PathLight {
         ++ws_.counters.field_queries;
         return request_.field->find(p, part);
     }
-    DirectionGuide guide_at(const FieldRegion* region, Vec3f p) const {
+    DirectionGuide guide_at(const FieldRegion* region, Vec3f p, float most_weight) const {
         if (!region || !request_.use.directions)
             return {};
         // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a
-        // path whose weight has grown is guided less, and not at all from kMostGuidedWeight on.
-        return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / kMostGuidedWeight)};
+        // path whose weight has grown is guided less, and not at all from most_weight on.
+        return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / most_weight)};
     }
     /// The same for the media in ws_.tracking.shares.
     DirectionGuide guide_in_volume(const FieldRegion* region, Vec3f p) const {
-        DirectionGuide guide = guide_at(region, p);
+        DirectionGuide guide = guide_at(region, p, kMostVolumeWeight);
         if (guide.active() && ws_.tracking.shares.size() == 1)
             guide.fold_in(ws_.tracking.shares[0].phase, walk_.ray.d);
         return guide;

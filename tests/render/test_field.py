@@ -165,18 +165,18 @@ def test_an_indirect_room_trains_and_says_for_what():
 
 
 @cache
-def learned():
-    return rendered({"samples": 64, "train_field": "always"}).knowledge()
+def learned(make=baffle_room):
+    return rendered({"samples": 64, "train_field": "always"}, make=make).knowledge()
 
 
-def room_error(images):
-    reference = room_picture()
+def cloud_error(images):
+    reference = cloud_picture()
     return np.mean((np.array(images) - reference) ** 2 / (reference**2 + 0.01 * reference.mean() ** 2))
 
 
 @cache
-def room_picture():
-    scene = baffle_room()
+def cloud_picture():
+    scene = cloud()
     images = [
         scene.render(size=(40, 24), samples=512, seed=900 + s, train_field="always")["Combined"]
         for s in range(3)
@@ -185,17 +185,18 @@ def room_picture():
 
 
 def test_inherited_knowledge_lowers_the_error_of_few_samples_and_keeps_the_mean():
+    """Four samples learn next to nothing by themselves: 2.9 times the error (one standard error 0.05)."""
     with_it, without = [], []
     for seed in range(24):
-        for images, knowledge in ((with_it, learned()), (without, None)):
-            scene = baffle_room().description((40, 24), seed=seed, samples=4, train_field="always")
+        for images, knowledge in ((with_it, learned(cloud)), (without, None)):
+            scene = cloud().description((40, 24), seed=seed, samples=4, train_field="always")
             renderer = nephele_native.Renderer(scene)
             if knowledge is not None:
                 assert "the field" in renderer.inherit(knowledge)
             renderer.start()
             assert renderer.wait(100)
             images.append(renderer.read_pass("Combined")[::-1, :, :3])
-    assert room_error(with_it) < room_error(without)
+    assert 2 * cloud_error(with_it) < cloud_error(without)
     a, b = (np.array(images).mean((1, 2)) for images in (with_it, without))
     z = np.abs(a.mean(0) - b.mean(0)) / np.sqrt((a.var(0, ddof=1) + b.var(0, ddof=1)) / len(a))
     assert np.all(z < scipy.stats.norm.isf(1e-4 / 6)), z
