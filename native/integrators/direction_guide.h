@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Guiding of directions at one vertex: a share of them is drawn from the light that the field knows to come
 // there, the rest from the BSDF or phase function (one-sample MIS; Vorba et al. 2014, Mueller 2019). The
-// share is learned per region (guiding/region.h).
+// share is learned per region (guiding/field_region.h).
 #pragma once
 
 #include "guiding/field.h"
@@ -13,7 +13,7 @@ class DirectionGuide {
   public:
     /// Guides nothing.
     DirectionGuide() = default;
-    /// share: of the directions that are the field's, in [0, 1).
+    /// share: of the directions that are the field's, below 1; none at 0 or less.
     DirectionGuide(const FieldRegion& region, Vec3f p, float share) : share_(share) {
         if (share_ > 0)
             mixture_ = region.mixture.seen_from(p - region.pivot);
