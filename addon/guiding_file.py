@@ -9,7 +9,7 @@ from . import archive
 from .errors import InputError
 
 KIND = "Nephele guiding field"
-VERSION = 2
+VERSION = 3
 SHOWN = 3  # names in a message
 
 

@@ -10,16 +10,16 @@ namespace {
 constexpr const char* kState = "learning_state";
 constexpr const char* kChoice = "learning_choice";
 constexpr const char* kTrial = "learning_trial";
+constexpr const char* kPairs = "learning_pairs";
 constexpr const char* kLessons = "field_lessons";
 
 /// Lessons between two updates: more cost more time and memory than they bring.
 constexpr double kMostLessons = 1 << 17;
-constexpr double kLessonSamples = 8;  // of each pixel between two updates
+constexpr double kLessonSamples = 4;  // of each pixel between two updates
 constexpr double kUsualVertices = 8;  // of a path, before any was seen
-/// Samples per pixel from which on the techniques are judged: the field has to know something by then, and
-/// the image's estimate too. They are chosen at 16, or as soon as every set had so many paths.
-constexpr int kTrialBegins = 4, kTrialEnds = 16;
-constexpr std::uint64_t kTrialPaths = 20000;
+/// Samples per pixel between which the techniques are judged, each time by those since the last update: the
+/// field goes on learning, and early on it looks worse than it will be.
+constexpr int kTrialBegins = 8, kTrialEnds = 32;
 
 bool is_power_of_two(int n) {
     return n > 0 && (n & (n - 1)) == 0;
@@ -55,7 +55,7 @@ FieldDecision decide_field(const Scene& scene, const Settings& settings) {
 }
 
 Learning::Learning(const Scene& scene, const Settings& settings, int width, int height)
-    : settings_(settings) {
+    : settings_(settings), width_(width) {
     if (guides_camera_rays(settings, scene.features()))
         guides_.emplace(width, height, settings);
     if (!decide_field(scene, settings).trains)
@@ -65,6 +65,8 @@ Learning::Learning(const Scene& scene, const Settings& settings, int width, int 
     asked_share_ = std::min(1.0, kMostLessons / (kUsualVertices * width * height));
     image_.emplace(width, height);
     choice_ = TechniqueChoice(settings);
+    if (!choice_.decided())
+        pairs_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
 void Learning::guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const {
@@ -95,9 +97,18 @@ void Learning::add(int x, int y, const PixelSample& sample, int set, Workspace& 
         return;
     const float radiance = mean(sample.volume + sample.surface);
     if (learned_at_ >= kTrialBegins && !choice_.decided())
-        ws.trial[static_cast<std::size_t>(set)].add(double{image_->relative_error(x, y, radiance)},
-                                                    double{sample.work});
+        judge(x, y, radiance, sample.work, set, ws);
     image_->add(x, y, radiance, sample.work);
+}
+
+/// Notes what a sample says about its set.
+void Learning::judge(int x, int y, float radiance, float work, int set, Workspace& ws) {
+    PathPair& pair = pairs_[static_cast<std::size_t>(y * width_ + x)];
+    const auto variance = pair.variance(set, radiance);
+    const float scale = image_->scale(x, y);
+    if (variance && scale > 0)
+        ws.trial[static_cast<std::size_t>(set)].add(double{*variance} / (double{scale} * double{scale}),
+                                                    double{work});
 }
 
 void Learning::collect(Workspace& ws) {
@@ -113,8 +124,8 @@ bool Learning::update(int samples) {
         guides_->update();
     if (image_ && !retired())
         image_->update();
-    if (field_ && !choice_.decided() && (samples >= kTrialEnds || choice_.paths(trial_) >= kTrialPaths))
-        choice_.decide(trial_);
+    if (field_ && !choice_.decided() && samples > kTrialBegins)
+        end_round(samples >= kTrialEnds);
     if (field_ && !retired()) {
         // Of all paths up to the next update: there are as many samples until then as from the start on.
         const double expected =
@@ -125,6 +136,16 @@ bool Learning::update(int samples) {
     }
     learned_at_ = samples;
     return true;
+}
+
+/// Chooses by what the samples since the last update have shown, or goes on trying.
+void Learning::end_round(bool last) {
+    choice_.decide(trial_, last);
+    trial_ = {};
+    if (choice_.decided())
+        pairs_ = {};
+    else
+        std::fill(pairs_.begin(), pairs_.end(), PathPair{});
 }
 
 /// Whether the field has turned out to be of no use.
@@ -143,6 +164,7 @@ void Learning::save(std::map<std::string, std::vector<double>>& saved) const {
         return;
     saved[kState] = {static_cast<double>(learned_at_), asked_share_, static_cast<double>(choice_.chosen())};
     saved[kTrial] = flattened(std::vector(trial_.begin(), trial_.end()));
+    saved[kPairs] = flattened(pairs_);
     if (guides_)
         guides_->save(saved);
     if (image_)
@@ -170,6 +192,9 @@ void Learning::restore(const std::map<std::string, std::vector<double>>& saved) 
     if (trial.size() != trial_.size())
         throw std::invalid_argument("the checkpoint is damaged ('trial'); render without it");
     std::copy(trial.begin(), trial.end(), trial_.begin());
+    if (choice_.decided())
+        pairs_ = {};
+    unflatten(saved, kPairs, pairs_);
     if (guides_)
         guides_->restore(saved);
     if (image_)

@@ -49,14 +49,18 @@ class Learning {
 
   private:
     bool retired() const;
+    void judge(int x, int y, float radiance, float work, int set, Workspace& ws);
+    void end_round(bool last);
 
     Settings settings_;
+    int width_;
     std::optional<VspBuffer> guides_;
     std::optional<GuidingField> field_;
     std::optional<ImageEstimate> image_;
     std::vector<FieldSample> lessons_;
     TechniqueChoice choice_;
     Trial trial_{};
+    std::vector<PathPair> pairs_;  // of each pixel, while techniques are on trial
     double asked_share_ = 1;  // of the paths that teach the field
     int learned_at_ = 0;      // samples per pixel when it learned last
 };

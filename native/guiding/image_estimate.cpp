@@ -12,7 +12,6 @@ namespace {
 
 constexpr const char* kSums = "image_sums";
 constexpr const char* kWorth = "image_worth";
-constexpr const char* kLight = "image_light";
 constexpr const char* kScale = "image_scale";
 
 }  // namespace
@@ -22,7 +21,6 @@ ImageEstimate::ImageEstimate(int width, int height)
       height_(height),
       sums_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
       worth_(sums_.size()),
-      light_(sums_.size()),
       scale_(sums_.size()) {}
 
 void ImageEstimate::add(int x, int y, float radiance, float work) {
@@ -36,36 +34,37 @@ void ImageEstimate::add(int x, int y, float radiance, float work) {
 void ImageEstimate::update() {
     const std::vector<Pooled> pooled = pool_with_noise(width_, height_, sums_, {});
     constexpr float kNoisiest = 1e3f;  // one pixel does not decide for all
-    double noise = 0, work = 0, known = 0, light = 0;
+    constexpr double kDark = 0.1;      // of the squared mean; about where relMSE draws the line too
+    double light = 0, work = 0, known = 0;
     for (const Pooled& p : pooled) {
         if (!(p.light > 0))
             continue;
-        noise += double{std::min(p.noise, kNoisiest)};
-        work += double{p.cost};
         light += double{p.light};
+        work += double{p.cost};
         known += 1;
     }
-    const double per_work = noise > 0 && work > 0 ? std::sqrt(noise / work) : 0;
-    const double dark = known > 0 ? 0.01 * (light / known) * (light / known) : 0;
-    for (std::size_t i = 0; i < worth_.size(); ++i) {
-        const double l = double{pooled[i].light};
-        worth_[i] = static_cast<float>(l * per_work);
-        light_[i] = pooled[i].light;
-        scale_[i] = static_cast<float>(1 / std::max(l * l + dark, 1e-30));
+    const double mean = known > 0 ? light / known : 0;
+    double noise = 0;
+    for (std::size_t i = 0; i < scale_.size(); ++i) {
+        const double l = double{pooled[i].light}, square = l * l + kDark * mean * mean;
+        scale_[i] = static_cast<float>(std::sqrt(square));
+        if (l > 0)
+            noise += double{std::min(pooled[i].noise, kNoisiest)} * (l * l / square);
     }
+    const double per_work = noise > 0 && work > 0 ? std::sqrt(noise / work) : 0;
+    for (std::size_t i = 0; i < worth_.size(); ++i)
+        worth_[i] = pooled[i].light > 0 ? static_cast<float>(double{scale_[i]} * per_work) : 0;
 }
 
 void ImageEstimate::save(std::map<std::string, std::vector<double>>& saved) const {
     saved[kSums] = flattened(sums_);
     saved[kWorth] = flattened(worth_);
-    saved[kLight] = flattened(light_);
     saved[kScale] = flattened(scale_);
 }
 
 void ImageEstimate::restore(const std::map<std::string, std::vector<double>>& saved) {
     unflatten(saved, kSums, sums_);
     unflatten(saved, kWorth, worth_);
-    unflatten(saved, kLight, light_);
     unflatten(saved, kScale, scale_);
 }
 

@@ -18,15 +18,11 @@ class ImageEstimate {
     void add(int x, int y, float radiance, float work);
     /// Learns anew from all samples so far; on all threads of the caller's arena.
     void update();
-    /// Mean radiance of the pixel times the root of (the image's relative variance / mean work of a path);
-    /// 0: unknown.
+    /// What errors of the pixel's radiance are relative to: its mean radiance, where that is well below the
+    /// image's a part of that, because nobody sees the noise of black.
+    float scale(int x, int y) const { return scale_[index(x, y)]; }
+    /// The pixel's scale times the root of (the image's relative variance / mean work of a path); 0: unknown.
     float worth(int x, int y) const { return worth_[index(x, y)]; }
-    /// Squared error of a sample's radiance, relative to the estimate; dark pixels count by a tenth of the
-    /// image's mean.
-    float relative_error(int x, int y, float radiance) const {
-        const float off = radiance - light_[index(x, y)];
-        return off * off * scale_[index(x, y)];
-    }
 
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
@@ -42,7 +38,7 @@ class ImageEstimate {
 
     int width_, height_;
     std::vector<BranchSums> sums_;
-    std::vector<float> worth_, light_, scale_;
+    std::vector<float> worth_, scale_;
 };
 
 }  // namespace nephele

@@ -11,14 +11,19 @@ namespace {
 constexpr double kUnit = 1 << 16;   // of the fixed-point sums
 constexpr double kMostError = 1e4;  // of one path: fireflies do not decide alone
 constexpr double kMostWork = 1e7;
-constexpr double kWorthIts = 0.93;  // of what none costs: lessons and learning are not in a path's work
+constexpr double kClearly = 0.75;   // of what the other set costs
+constexpr double kWorthIts = 0.9;   // of what none costs: lessons and learning are not in a path's work
+
+std::uint64_t fixed(double x, double most) {
+    return x > 0 ? static_cast<std::uint64_t>(std::min(x, most) * kUnit) : 0;
+}
 
 }  // namespace
 
 void TrialSums::add(double path_error, double path_work) {
     paths += 1;
-    error += static_cast<std::uint64_t>(std::clamp(path_error, 0.0, kMostError) * kUnit);
-    work += static_cast<std::uint64_t>(std::clamp(path_work, 0.0, kMostWork) * kUnit);
+    error += fixed(path_error, kMostError);
+    work += fixed(path_work, kMostWork);
 }
 
 TrialSums& TrialSums::operator+=(const TrialSums& other) {
@@ -28,16 +33,23 @@ TrialSums& TrialSums::operator+=(const TrialSums& other) {
     return *this;
 }
 
+std::optional<float> PathPair::variance(int set, float radiance) {
+    float& before = last[static_cast<std::size_t>(set)];
+    if (before < 0) {
+        before = radiance;
+        return std::nullopt;
+    }
+    const float off = radiance - before;
+    before = -1;
+    return 0.5f * off * off;
+}
+
 TechniqueChoice::TechniqueChoice(const Settings& settings) {
     const bool later =
         settings.vsp_secondary && settings.distance_sampling == Settings::DistanceSampling::vspg;
-    for (const Techniques set : {Techniques{true, false, false}, Techniques{true, false, true},
-                                 Techniques{true, true, false}, Techniques{true, true, true}}) {
-        const Techniques allowed{set.directions && settings.guide_directions, set.segments && later,
-                                 set.roulette && settings.guided_roulette};
-        if (std::find(sets_.begin(), sets_.end(), allowed) == sets_.end())
-            sets_.push_back(allowed);
-    }
+    const Techniques allowed{settings.guide_directions, later, settings.guided_roulette};
+    if (allowed.any())
+        sets_.push_back(allowed);
     if (settings.train_field == Settings::TrainField::always)
         chosen_ = static_cast<int>(sets_.size()) - 1;
 }
@@ -45,33 +57,23 @@ TechniqueChoice::TechniqueChoice(const Settings& settings) {
 int TechniqueChoice::draw(float u) const {
     if (decided())
         return chosen_;
-    const auto n = static_cast<int>(sets_.size());
-    return std::min(static_cast<int>(u * static_cast<float>(n)), n - 1);
+    return u < 0.5f ? 0 : static_cast<int>(sets_.size()) - 1;
 }
 
-std::uint64_t TechniqueChoice::paths(const Trial& trial) const {
-    std::uint64_t fewest = trial[0].paths;
-    for (std::size_t i = 1; i < sets_.size(); ++i)
-        fewest = std::min(fewest, trial[i].paths);
-    return fewest;
-}
-
-void TechniqueChoice::decide(const Trial& trial) {
-    if (paths(trial) == 0)
+void TechniqueChoice::decide(const Trial& trial, bool end) {
+    if (sets_.size() < kSets) {
+        chosen_ = 0;
         return;
-    double least = 0;
-    int best = -1;
-    for (std::size_t i = 0; i < sets_.size(); ++i) {
-        const TrialSums& sums = trial[i];
-        const auto n = static_cast<double>(sums.paths);
-        const double cost = (static_cast<double>(sums.error) / n) * (static_cast<double>(sums.work) / n) *
-                            (sets_[i].any() ? 1 : kWorthIts);
-        if (i == 0 || cost < least) {
-            least = cost;
-            best = static_cast<int>(i);
-        }
     }
-    chosen_ = best;
+    const auto cost = [](const TrialSums& sums) {
+        const auto n = static_cast<double>(sums.paths);
+        return static_cast<double>(sums.error) / n * (static_cast<double>(sums.work) / n);
+    };
+    if (trial[0].paths == 0 || trial[1].paths == 0)
+        return;
+    const double none = cost(trial[0]), all = cost(trial[1]);
+    if (end || all < kClearly * none || none < kClearly * all)
+        chosen_ = all < kWorthIts * none ? 1 : 0;
 }
 
 void TechniqueChoice::restore(int chosen) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which ways of guiding by the field a render uses. None pays everywhere: what lowers the noise of one scene
-// only costs time in the next. So the render tries them side by side on its own paths, each path by one set
-// of techniques drawn at random, and goes on with the set whose relative error times work is least. Every set
-// is unbiased, and which is drawn or chosen never depends on the path itself.
+// Whether guiding by the field pays. What lowers the noise of one scene only costs time in the next. So the
+// render tries it on its own paths: each goes with all techniques that the settings allow or with none, drawn
+// at random, and the render goes on with those whose relative error times work is less. Both are unbiased,
+// and which is drawn or chosen never depends on the path itself.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "settings_table.h"
@@ -23,33 +24,40 @@ struct Techniques {
     bool operator==(const Techniques&) const = default;
 };
 
+inline constexpr int kSets = 2;  ///< none of the techniques; all that the settings allow
+
 /// Sums over the paths of one set. Fixed point, so that the order of adding does not matter.
 struct TrialSums {
     std::uint64_t paths = 0, error = 0, work = 0;
 
-    /// error: squared relative error of a path's radiance. work: as in SegmentGuiding.
+    /// error: relative variance of a path's radiance. work: as in SegmentGuiding.
     void add(double path_error, double path_work);
     TrialSums& operator+=(const TrialSums& other);
 };
+using Trial = std::array<TrialSums, kSets>;
 
-inline constexpr int kMostSets = 8;
-using Trial = std::array<TrialSums, kMostSets>;
+/// The last path of each set through a pixel, negative: none. Two of one set tell its variance, and nothing
+/// has to be known of the pixel's mean.
+struct PathPair {
+    std::array<float, kSets> last{-1, -1};
+
+    /// Half the squared difference to the set's last path, which then is used up; nothing where there is none.
+    std::optional<float> variance(int set, float radiance);
+};
 
 class TechniqueChoice {
   public:
     TechniqueChoice() = default;
-    /// The sets that the settings allow: the first is none of them, the last all.
     explicit TechniqueChoice(const Settings& settings);
 
-    /// The set of a path, for u in [0, 1): the chosen one, or any while they are on trial.
+    /// The set of a path, for u in [0, 1): the chosen one, or either while they are on trial.
     int draw(float u) const;
     const Techniques& set(int number) const { return sets_[static_cast<std::size_t>(number)]; }
     bool decided() const { return chosen_ >= 0; }
 
-    /// The paths of the set that had the fewest.
-    std::uint64_t paths(const Trial& trial) const;
-    /// Chooses by what the sets have shown.
-    void decide(const Trial& trial);
+    /// Chooses by what the sets have shown, if they differ clearly; in any case where the trial is to `end`
+    /// and both have been tried.
+    void decide(const Trial& trial, bool end);
 
     /// For checkpoints: the number of the set chosen, -1 while there is none.
     int chosen() const { return chosen_; }

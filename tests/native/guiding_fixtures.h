@@ -48,6 +48,7 @@ struct LampPlace {
 inline LightSet lamps_along(const Ray& ray, const std::vector<LampPlace>& places) {
     const Vec3f side = normalize(cross(ray.d, Vec3f(0.3f, -0.2f, 0.9f)));
     std::vector<Lamp> lamps;
+    lamps.reserve(places.size());
     for (const LampPlace& at : places)
         lamps.push_back(point_lamp(ray.at(at.t) + side * at.beside, at.power));
     return LightSet(std::move(lamps), {}, nullptr);
