@@ -61,8 +61,8 @@ class Learning {
     TechniqueChoice choice_;
     Trial trial_{};
     std::vector<PathPair> pairs_;  // of each pixel, while techniques are on trial
-    double asked_share_ = 1;  // of the paths that teach the field
-    int learned_at_ = 0;      // samples per pixel when it learned last
+    double asked_share_ = 1;       // of the paths that teach the field
+    int learned_at_ = 0;           // samples per pixel when it learned last
 };
 
 /// Whether the samples of a scene can gain by a field, and in words why not.

@@ -95,8 +95,9 @@ def make_door():
 
 
 def make_window():
-    """A room seen towards its window: outside a cloud (extinction 3 per metre, albedo 0.995, g = 0.7) in a sun
-    that stands behind the house and does not come in. The pane is glass: light sampling does not see through."""
+    """A room seen towards its window: outside a cloud (extinction 3 per metre, albedo 0.995, g = 0.7) in a
+    sun that stands behind the house and does not come in. The pane is glass: light sampling does not see
+    through it."""
     shading.set_world((0.35, 0.6, 1.2))
     white, blue = matt("White", 0.78, 0.76, 0.72), matt("Blue", 0.18, 0.25, 0.45)
     boards, _ = shading.surface_material("Boards", Base_Color=(0.30, 0.18, 0.09), Roughness=0.3)

@@ -11,8 +11,8 @@ namespace {
 constexpr double kUnit = 1 << 16;   // of the fixed-point sums
 constexpr double kMostError = 1e4;  // of one path: fireflies do not decide alone
 constexpr double kMostWork = 1e7;
-constexpr double kClearly = 0.75;   // of what the other set costs
-constexpr double kWorthIts = 0.9;   // of what none costs: lessons and learning are not in a path's work
+constexpr double kClearly = 0.75;  // of what the other set costs
+constexpr double kWorthIts = 0.9;  // of what none costs: lessons and learning are not in a path's work
 
 std::uint64_t fixed(double x, double most) {
     return x > 0 ? static_cast<std::uint64_t>(std::min(x, most) * kUnit) : 0;

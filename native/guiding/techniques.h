@@ -41,7 +41,8 @@ using Trial = std::array<TrialSums, kSets>;
 struct PathPair {
     std::array<float, kSets> last{-1, -1};
 
-    /// Half the squared difference to the set's last path, which then is used up; nothing where there is none.
+    /// Half the squared difference to the set's last path, which then is used up; nothing where there is
+    /// none.
     std::optional<float> variance(int set, float radiance);
 };
 
