@@ -2,8 +2,8 @@
 """Checkpoints: the state of an unfinished render, from which it goes on as if it had never stopped.
 
 An identity says which render a state or an image belongs to: the program's version, the settings, the film
-and the fingerprint of the scene. More samples, another time limit or number of threads do not make it another
-render.
+and the fingerprint of the scene. More samples, another limit of time or error, or another number of threads
+do not make it another render.
 """
 
 import dataclasses
@@ -15,7 +15,7 @@ from .errors import InputError
 
 KIND = "Nephele checkpoint"
 VERSION = 3
-FREE_SETTINGS = ("samples", "time_limit", "threads")
+FREE_SETTINGS = ("samples", "time_limit", "threads", "target_error")
 
 
 def identity(scene, fingerprint, program_version):
@@ -78,15 +78,19 @@ def shown(value):
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def image_attributes(render_identity, samples_done):
-    """Returns what an image's header says of its render."""
-    return {"identity": json.dumps(render_identity), "samples": str(samples_done)}
+def image_attributes(render_identity, samples_done, error=None):
+    """Returns what an image's header says of its render. error: estimated, None where none was."""
+    attributes = {"identity": json.dumps(render_identity), "samples": str(samples_done)}
+    return attributes | ({} if error is None else {"error": repr(error)})
 
 
-def is_complete(image_path, render_identity, samples):
-    """Tells whether the EXR at `image_path` is this very render with at least `samples` samples."""
+def is_complete(image_path, render_identity, settings):
+    """Tells whether the EXR at `image_path` is this very render with as many samples as the settings ask for,
+    or at most their target error."""
     if not Path(image_path).is_file():
         return False
     attributes = exr.read_attributes(image_path)
-    same = attributes.get("identity") == json.dumps(render_identity)
-    return same and int(attributes["samples"]) >= samples
+    if attributes.get("identity") != json.dumps(render_identity):
+        return False
+    reached = float(attributes.get("error", "inf")) <= settings["target_error"]
+    return reached or int(attributes["samples"]) >= settings["samples"]

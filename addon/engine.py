@@ -191,8 +191,10 @@ class _Timer:
 
 
 def status_text(progress):
-    """Returns "Sample 3/128 | 0:05 | 3:20 left" of Renderer.progress()."""
+    """Returns "Sample 3/128 | 0:05 | Error 0.021 | 3:20 left" of Renderer.progress()."""
     text = f"Sample {progress['samples_done']}/{progress['samples']} | {clock(progress['seconds'])}"
+    if progress["error"] is not None:
+        text += f" | Error {progress['error']:.2g}"
     if 0 < progress["fraction"] < 1:
         left = progress["seconds"] * (1 - progress["fraction"]) / progress["fraction"]
         text += f" | {clock(left)} left"

@@ -4,7 +4,7 @@
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from . import checkpoint, description_file, exr, guiding_file, rendering, statistics
+from . import checkpoint, description_file, exr, guiding_file, rendering, report, statistics
 from .errors import InputError
 from .output import atomic
 
@@ -50,7 +50,7 @@ class FrameRender:
                 state, resumed = checkpoint.load(
                     self.checkpoint_path, self.identity(), self.scene.settings["samples"]
                 )
-            elif checkpoint.is_complete(self.image_path, self.identity(), self.scene.settings["samples"]):
+            elif checkpoint.is_complete(self.image_path, self.identity(), self.scene.settings):
                 self.reporter.say(f"{self.image_path} is complete already")
                 return
             else:
@@ -96,8 +96,8 @@ class FrameRender:
         native = renderer.statistics()
         stage = time.perf_counter()
         images = {name: renderer.read_pass(name) for name in self.scene.film.passes}
-        self.write_images(images, native["samples_done"])
-        if native["samples_done"] < self.scene.settings["samples"]:
+        self.write_images(images, native)
+        if not self.complete(native):
             self.save_checkpoint(renderer)
         else:
             self.checkpoint_path.unlink(missing_ok=True)
@@ -106,14 +106,21 @@ class FrameRender:
             guiding_file.save(path, renderer, self.scene, self.native_module.__version__)
         self.seconds["write"] = time.perf_counter() - stage
         self.seconds["total"] = time.perf_counter() - self.begin
+        if self.request.report:
+            self.write_report(native, images)
         if self.request.stats:
             first_tile = started - self.begin + native["first_tile_seconds"]
             self.write_statistics(renderer, native, images, first_tile)
         self.tell(native)
 
-    def write_images(self, images, samples_done):
+    def complete(self, native):
+        """Tells whether nothing is left to render."""
+        return native["target_reached"] or native["samples_done"] >= self.scene.settings["samples"]
+
+    def write_images(self, images, native):
         """Writes the EXR and the PNG."""
-        attributes = checkpoint.image_attributes(self.identity(), samples_done)
+        error = native["errors"][-1]["error"] if native["errors"] else None
+        attributes = checkpoint.image_attributes(self.identity(), native["samples_done"], error)
         exr.write(self.image_path, images, self.scene.film, self.source.layer, attributes)
         if self.request.png:
             with atomic(self.request.path("png", self.frame)) as temporary:
@@ -131,6 +138,13 @@ class FrameRender:
             self.scene, native, self.native_module, images, self.seconds, first_tile, context
         )
         statistics.write(self.request.path("stats", self.frame), content)
+
+    def write_report(self, native, images):
+        """Writes the page of the error against time."""
+        shown = {"machine": statistics.machine(), "settings": self.scene.settings}
+        page = report.page(str(self.image_path), native, images.get("Combined"), shown)
+        with atomic(self.request.path("report", self.frame)) as temporary:
+            temporary.write_text(page, encoding="utf-8")
 
     def warnings(self, renderer):
         """Returns what the opening of the file, the export and the build left out."""
@@ -151,8 +165,13 @@ class FrameRender:
         if native["nonfinite_samples"]:
             self.reporter.say(f"warning: {native['nonfinite_samples']} samples were not finite and left out")
         self.reporter.say(field_line(native["guiding_field"]))
-        limit = f" of {wanted} (time limit; --resume continues)" if done < wanted else ""
-        self.reporter.say(f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s")
+        limit = ""
+        if done < wanted:
+            limit = f" of {wanted} " + (
+                "(target error reached)" if native["target_reached"] else "(time limit; --resume continues)"
+            )
+        error = f", estimated error {native['errors'][-1]['error']:.3g}" if native["errors"] else ""
+        self.reporter.say(f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s{error}")
 
 
 def field_line(field):

@@ -7,6 +7,7 @@ from typing import ClassVar
 import bpy
 from bpy_extras.node_utils import find_node_input
 
+from . import engine
 from .export.nodes import uses_nodes
 from .parameters import PARAMETERS
 from .passes import PASSES
@@ -85,6 +86,40 @@ def _group_panel(group, label, closed):
     return type(f"NEPHELE_PT_{group}", (_GroupPanel, bpy.types.Panel), members)
 
 
+class NEPHELE_PT_report(_Ours, bpy.types.Panel):
+    """What the last render took, and how its error fell, where it was estimated."""
+
+    bl_label = "Report"
+    bl_context = "render"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = self.layout.column(align=True)
+        for line in report_lines(engine.last_render):
+            column.label(text=line)
+
+
+def report_lines(record):
+    """Returns the Report panel's lines for an engine.RenderRecord or None."""
+    if record is None:
+        return ["Nothing was rendered yet"]
+    told = record.statistics
+    lines = [f"Frame {record.frame}, {record.view_layer}: {record.state}"]
+    lines += [f"{stage.capitalize()}: {seconds:.2f} s" for stage, seconds in record.seconds.items()]
+    if "samples_done" in told:
+        lines.append(f"Samples: {told['samples_done']}")
+    marks = told.get("errors", ())
+    for number, mark in enumerate(marks):
+        if mark["samples"].bit_count() == 1 or number == len(marks) - 1:  # powers of two, and the last
+            time = engine.clock(mark["seconds"])
+            lines.append(f"Error after {mark['samples']} samples, {time}: {mark['error']:.3g}")
+    if told.get("target_reached"):
+        lines.append("The target error is reached")
+    elif told and not marks:
+        lines.append("Error: not estimated (Sampling, Estimate Error)")
+    return lines
+
+
 class NEPHELE_PT_passes(_Ours, bpy.types.Panel):
     """Toggles of the passes, Blender's and ours, in the order of the table."""
 
@@ -161,6 +196,7 @@ def _node_panel(block, context, socket, label, closed=False):
 
 CLASSES = (
     *(_group_panel(*row) for row in GROUPS),
+    NEPHELE_PT_report,
     NEPHELE_PT_passes,
     NEPHELE_PT_object,
     _node_panel("material", "material", "Surface", "Surface"),

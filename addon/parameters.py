@@ -93,6 +93,31 @@ PARAMETERS = (
         "s",
     ),
     Parameter(
+        "target_error",
+        "float",
+        0.0,
+        "Target Error",
+        "Stop at this estimated error (relMSE: mean of variance / (radiance squared + 0.01)), from 16 "
+        "samples on; 0 renders all samples",
+        0.0,
+        1e6,
+        0.1,
+    ),
+    Parameter(
+        "adaptive_sampling",
+        "bool",
+        True,
+        "Adaptive Sampling",
+        "With a target error, take up to 8 times fewer samples where the image is clean already; unbiased",
+    ),
+    Parameter(
+        "estimate_error",
+        "bool",
+        False,
+        "Estimate Error",
+        "Tell the estimated error while rendering; always on with a target error",
+    ),
+    Parameter(
         "sampler",
         "enum",
         "sobol",

@@ -50,7 +50,8 @@ class Reporter:
         advanced = fraction - self._start_fraction
         left = f", {duration(seconds * (1 - fraction) / advanced)} left" if advanced > 0 else ""
         samples = f"{progress['samples_done']}/{progress['samples']} samples"
-        return f"{self._label}: {samples}, {100 * fraction:.0f} %, {duration(seconds)}{left}"
+        error = "" if progress["error"] is None else f", error {progress['error']:.2g}"
+        return f"{self._label}: {samples}, {100 * fraction:.0f} %{error}, {duration(seconds)}{left}"
 
     def _clear(self):
         if self._line_open:

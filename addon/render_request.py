@@ -11,8 +11,8 @@ from .output import check_suffix, check_writable, frame_path
 
 # The first bytes of a .blend: plain, zstd or gzip.
 BLEND_MAGIC = (b"BLENDER", b"\x28\xb5\x2f\xfd", b"\x1f\x8b")
-OUTPUTS = ("image", "png", "stats", "description", "guiding_save")  # attributes of a Request
-FLAGS = ("samples", "time_limit", "seed", "threads")  # settings with an option of their own
+OUTPUTS = ("image", "png", "stats", "report", "description", "guiding_save")  # attributes of a Request
+FLAGS = ("samples", "time_limit", "target_error", "seed", "threads")  # settings with an option of their own
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,6 +30,7 @@ class Request:
     image: str | None = None
     png: str | None = None
     stats: str | None = None
+    report: str | None = None
     description: str | None = None
     guiding_save: str | None = None
     guiding_load: str | None = None
@@ -71,6 +72,7 @@ def from_arguments(arguments):
         image=arguments.output,
         png=arguments.png,
         stats=arguments.stats,
+        report=arguments.report,
         description=arguments.save_description,
         guiding_save=arguments.guiding_save,
         guiding_load=arguments.guiding_load,
@@ -131,6 +133,8 @@ def parsed_settings(arguments):
         for name in FLAGS:
             if getattr(arguments, name) is not None:
                 values[name] = parameters.lookup(name).parse(getattr(arguments, name))
+        if arguments.report:
+            values["estimate_error"] = True
     except (KeyError, ValueError) as error:
         raise InputError(f"settings: {error.args[0]}") from error
     return values
@@ -152,13 +156,18 @@ def check_outputs(request):
     for option, path in (
         ("--png", request.png),
         ("--stats", request.stats),
+        ("--report", request.report),
         ("--resume", request.resume),
         ("--guiding-save", request.guiding_save),
         ("--guiding-load", request.guiding_load),
     ):
         if path and not request.image:
             raise InputError(f"{option} needs an image: name one with -o OUT.exr")
-    for option, suffix, path in (("-o", ".exr", request.image), ("--png", ".png", request.png)):
+    for option, suffix, path in (
+        ("-o", ".exr", request.image),
+        ("--png", ".png", request.png),
+        ("--report", ".html", request.report),
+    ):
         if path:
             check_suffix(path, suffix, option)
     taken = {Path(request.scene).resolve()}

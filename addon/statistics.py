@@ -93,6 +93,8 @@ def collect(scene, native, native_module, images, seconds, first_tile, context):
         "crop": film.crop,
         "samples": scene.settings["samples"],
         "samples_done": native["samples_done"],
+        "target_reached": native["target_reached"],
+        "errors": [dict(mark) for mark in native["errors"]],
         "seconds": seconds | {"train": native["train_seconds"], "render_cpu": native["render_cpu_seconds"]},
         "first_tile_seconds": first_tile - seconds["blender_start"],
         "process_to_first_tile_seconds": first_tile,

@@ -58,12 +58,14 @@ Learning::Learning(const Scene& scene, const Settings& settings, int width, int 
     : settings_(settings), width_(width) {
     if (guides_camera_rays(settings, scene.features()))
         guides_.emplace(width, height, settings);
-    if (!decide_field(scene, settings).trains)
+    const bool trains = decide_field(scene, settings).trains;
+    if (trains || adapts())
+        image_.emplace(width, height);
+    if (!trains)
         return;
     constexpr std::size_t kMebibyte = 1 << 20;
     field_.emplace(settings, static_cast<std::size_t>(settings.guiding_memory) * kMebibyte);
     asked_share_ = std::min(1.0, kMostLessons / (kUsualVertices * width * height));
-    image_.emplace(width, height);
     choice_ = TechniqueChoice(settings);
     if (!choice_.decided())
         pairs_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -90,13 +92,18 @@ void Learning::ask(std::uint64_t path, SampleRequest& request) const {
     request.teaches = u < asked_share_ && !retired();
 }
 
+std::uint32_t Learning::stride(int x, int y) const {
+    constexpr int kFirst = 16;  // samples before which too little is known of the noise
+    return adapts() && learned_at_ >= kFirst ? image_->stride(x, y) : 1;
+}
+
 void Learning::add(int x, int y, const PixelSample& sample, int set, Workspace& ws) {
     if (guides_)
         guides_->add(x, y, sample.vsp);
     if (!image_)
         return;
     const float radiance = mean(sample.volume + sample.surface);
-    if (learned_at_ >= kTrialBegins && !choice_.decided())
+    if (field_ && learned_at_ >= kTrialBegins && !choice_.decided())
         judge(x, y, radiance, sample.work, set, ws);
     image_->add(x, y, radiance, sample.work);
 }
@@ -122,7 +129,7 @@ bool Learning::update(int samples) {
         return false;
     if (guides_)
         guides_->update();
-    if (image_ && !retired())
+    if (image_ && (adapts() || !retired()))
         image_->update();
     if (field_ && !choice_.decided() && samples > kTrialBegins)
         end_round(samples >= kTrialEnds);

@@ -18,7 +18,7 @@ class Learning {
     Learning(const Scene& scene, const Settings& settings, int width, int height);
 
     /// Whether anything is learned.
-    bool active() const { return guides_.has_value() || field_.has_value(); }
+    bool active() const { return guides_.has_value() || image_.has_value(); }
     const GuidingField* field() const { return field_ ? &*field_ : nullptr; }
     /// What the field is used for, once that is decided.
     std::optional<Techniques> chosen() const;
@@ -27,6 +27,8 @@ class Learning {
     void guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const;
     /// Fills in whether the path teaches the field. path: its number among all paths of the frame.
     void ask(std::uint64_t path, SampleRequest& request) const;
+    /// Of how many samples one of the pixel takes the place up to the next update.
+    std::uint32_t stride(int x, int y) const;
     /// Takes note of a sample; each pixel from one thread at a time.
     void add(int x, int y, const PixelSample& sample, int set, Workspace& ws);
     /// Takes over what a thread's paths taught; from one thread at a time.
@@ -49,6 +51,7 @@ class Learning {
 
   private:
     bool retired() const;
+    bool adapts() const { return settings_.adaptive_sampling && settings_.target_error > 0; }
     void judge(int x, int y, float radiance, float work, int set, Workspace& ws);
     void end_round(bool last);
 

@@ -3,6 +3,7 @@
 // cancelled.
 #include "render.h"
 
+#include <bit>
 #include <ctime>
 
 #include <tbb/parallel_for.h>
@@ -22,6 +23,15 @@ int next_target(int done, int samples) {
     while (power <= done && power <= samples)
         power *= 2;
     return std::min({done + std::clamp(done, 1, kLargestPass), power, samples});
+}
+
+/// Number of the sample that stands for `stride` samples from `index` on. Those of one epoch are numbered one
+/// after the other: of a net, points at even distances lie side by side.
+std::uint32_t strided(std::uint32_t index, std::uint32_t stride) {
+    if (stride <= 1)
+        return index;
+    const std::uint32_t begin = std::bit_floor(index);
+    return begin + (index - begin + stride - 1) / stride;
 }
 
 using Clock = std::chrono::steady_clock;
@@ -65,7 +75,7 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
     : scene_(std::move(scene)),
       settings_(settings),
       frame_(std::move(frame)),
-      film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes),
+      film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes, film_needs()),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       kernel_(choose_kernel(settings, scene_->features())),
       learning_(*scene_, settings, film_.width(), film_.height()) {
@@ -101,13 +111,15 @@ void Render::run() {
         tbb::task_arena arena(threads);
         int done = lowest_count();
         samples_done_ = done;
-        while (done < settings_.samples && !must_stop()) {
+        bool reached = enough();
+        while (done < settings_.samples && !must_stop() && !reached) {
             arena.execute([&] {
                 learn();
                 render_pass(next_target(done, settings_.samples));
             });
             done = lowest_count();
             samples_done_ = done;
+            reached = enough();
         }
         if (cancelled_)
             end = State::cancelled;
@@ -119,6 +131,25 @@ void Render::run() {
     statistics_.render_seconds = seconds_since(start_);
     state_ = end;
     finished_.notify_all();
+}
+
+FilmNeeds Render::film_needs() const {
+    const bool target = settings_.target_error > 0;
+    return {target || settings_.estimate_error, target && settings_.adaptive_sampling};
+}
+
+/// Notes the error so far, where it is to be known; returns whether it is at the target.
+bool Render::enough() {
+    constexpr int kFirst = 16;  // samples before which the estimate says little
+    if (!film_needs().error || samples_done_ < 2)
+        return false;
+    const double error = film_.relative_error();
+    const double target = double{settings_.target_error};
+    const bool reached = target > 0 && samples_done_ >= kFirst && error <= target;
+    const std::lock_guard lock(mutex_);
+    statistics_.errors.push_back({seconds_since(start_), statistics_.render_cpu_seconds, samples_done_, error});
+    statistics_.target_reached = reached;
+    return reached;
 }
 
 void Render::learn() {
@@ -168,14 +199,16 @@ void Render::render_tile(int tile, int target) {
 }
 
 void Render::render_pixel(int x, int y, int target, Workspace& ws) {
-    const auto first = film_.count(x, y);
+    const std::uint32_t first = film_.count(x, y), end = static_cast<std::uint32_t>(target);
     SampleRequest request = request_;
     VspGuide guide;
     learning_.guide_pixel(x, y, request, guide);
-    for (std::uint32_t i = first; i < static_cast<std::uint32_t>(target) && !cancelled_; ++i) {
+    const std::uint32_t stride = learning_.stride(x, y);
+    for (std::uint32_t n = first; n < end && !cancelled_; n = film_.count(x, y)) {
+        const std::uint32_t i = strided(n, stride);
         learning_.ask(number_of_path(x, y, i), request);
         const PixelSample sample = take_sample(x, y, i, request, ws);
-        film_.add(x, y, sample, settings_.film_exposure);
+        film_.add(x, y, sample, settings_.film_exposure, std::min(stride, end - n));
         learning_.add(x, y, sample, request.set, ws);
     }
     samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);

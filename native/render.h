@@ -28,12 +28,21 @@ struct FilmSource {
     enum class MistFalloff { linear, quadratic, inverse_quadratic } mist_falloff = MistFalloff::quadratic;
 };
 
+/// How far a render had come at one time.
+struct ErrorMark {
+    double seconds = 0, cpu_seconds = 0;  ///< since the start; cpu: of all render threads
+    int samples = 0;
+    double error = 0;  ///< estimate of relMSE, see Film
+};
+
 struct RenderStatistics {
     std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0, bound_violations = 0;
     double render_seconds = 0;      ///< wall clock
     double render_cpu_seconds = 0;  ///< of all render threads
     double train_seconds = 0;       ///< of render_seconds: learning between passes, wall clock
     double first_tile_seconds = 0;  ///< from start to the first finished tile, wall clock
+    std::vector<ErrorMark> errors;  ///< after each pass, where the error is estimated
+    bool target_reached = false;    ///< the error is at the target
 };
 
 class Render {
@@ -84,6 +93,8 @@ class Render {
     PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                             Workspace& ws) const;
     void learn();
+    bool enough();
+    FilmNeeds film_needs() const;
     bool must_stop() const;
     int lowest_count() const;
     float mist_at(float depth) const;

@@ -26,6 +26,9 @@ def add_parser(subparsers):
     frames.add_argument("--frames", metavar="A-B", help="several frames, both ends included")
     parser.add_argument("--samples", metavar="N", help="paths per pixel")
     parser.add_argument("--time-limit", metavar="S", help="stop after S seconds and write what is there")
+    parser.add_argument(
+        "--target-error", metavar="E", help="stop at this estimated error (relMSE) and write what is there"
+    )
     parser.add_argument("--seed", metavar="N", help="seed of every random decision")
     parser.add_argument("--threads", metavar="N", help="render threads; 0 uses every core")
     parser.add_argument("--resolution", metavar="WxH", help="pixels, instead of the scene's")
@@ -34,6 +37,9 @@ def add_parser(subparsers):
     )
     parser.add_argument("--passes", metavar="P,P,...", help="passes to write, instead of the view layer's")
     parser.add_argument("--stats", metavar="STATS.json", help="write statistics")
+    parser.add_argument(
+        "--report", metavar="REPORT.html", help="write a page of the estimated error against time"
+    )
     parser.add_argument(
         "--resume", action="store_true", help="go on from OUT.exr.checkpoint.npz; skip what is complete"
     )

@@ -66,6 +66,19 @@ nb::dict told(const FieldDecision& decision) {
     return out;
 }
 
+nb::list marks(const std::vector<ErrorMark>& errors) {
+    nb::list out;
+    for (const ErrorMark& mark : errors) {
+        nb::dict row;
+        row["seconds"] = mark.seconds;
+        row["cpu_seconds"] = mark.cpu_seconds;
+        row["samples"] = mark.samples;
+        row["error"] = mark.error;
+        out.append(row);
+    }
+    return out;
+}
+
 nb::list uses(const Techniques& techniques) {
     nb::list out;
     if (techniques.directions)
@@ -105,6 +118,10 @@ class Renderer {
         out["samples"] = settings_.samples;
         out["fraction"] = render_->fraction();
         out["seconds"] = render_->seconds();
+        const RenderStatistics s = render_->statistics();
+        out["error"] = nb::none();
+        if (!s.errors.empty())
+            out["error"] = s.errors.back().error;
         return out;
     }
 
@@ -136,6 +153,8 @@ class Renderer {
         out["render_cpu_seconds"] = s.render_cpu_seconds;
         out["train_seconds"] = s.train_seconds;
         out["first_tile_seconds"] = s.first_tile_seconds;
+        out["errors"] = marks(s.errors);
+        out["target_reached"] = s.target_reached;
         out["embree_bytes"] = scene_->hierarchy_bytes();
         nb::dict field = told(decide_field(*scene_, settings_));
         field["regions"] = render_->field() ? render_->field()->regions() : 0;
@@ -197,7 +216,8 @@ void bind_renderer(nb::module_& m) {
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
         .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
         .def("progress", &Renderer::progress,
-             "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds.")
+             "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds, error "
+             "(estimated relMSE, None where none is estimated).")
         .def("read_pass", &Renderer::read_pass, nb::arg("name"),
              "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError "
              "where it was not asked for.")

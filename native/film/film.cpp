@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "film/film.h"
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace nephele {
@@ -37,7 +39,8 @@ constexpr bool is_variance(PassId pass) {
 
 }  // namespace
 
-Film::Film(int width, int height, std::span<const PassId> passes) : width_(width), height_(height) {
+Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds needs)
+    : width_(width), height_(height), keeps_error_(needs.error) {
     if (width <= 0 || height <= 0) {
         throw std::invalid_argument("the render is " + std::to_string(width) + " x " +
                                     std::to_string(height) + " pixels; set a resolution of at least 1 x 1");
@@ -46,84 +49,126 @@ Film::Film(int width, int height, std::span<const PassId> passes) : width_(width
     asked_[at(PassId::sample_count)] = true;
     for (const PassId pass : passes) {
         asked_[at(pass)] = true;
-        if (pass == PassId::sample_count)
-            continue;
-        allocate(pass, is_variance(pass) ? 3 : kPasses[at(pass)].channels);
-        if (const PassId mean = variance_of(pass); sums_of(mean).empty())
-            allocate(mean, kPasses[at(mean)].channels);
+        keep(pass);
     }
+    if (needs.error)
+        keep(PassId::variance);
+    if (needs.weights) {
+        taken_.assign(counts_.size(), 0);
+        squared_weights_.assign(counts_.size(), 0);
+    }
+}
+
+/// Allocates what a pass is made of.
+void Film::keep(PassId pass) {
+    if (pass == PassId::sample_count)
+        return;
+    allocate(pass, is_variance(pass) ? 3 : kPasses[at(pass)].channels);
+    if (const PassId mean = variance_of(pass); sums_of(mean).empty())
+        allocate(mean, kPasses[at(mean)].channels);
 }
 
 void Film::allocate(PassId pass, int channels) {
     sums_[at(pass)].assign(counts_.size() * static_cast<std::size_t>(channels), 0.0);
 }
 
-void Film::add_to(PassId pass, std::size_t pixel, const float* values, int channels) {
+void Film::add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight) {
     std::vector<double>& sums = sums_[at(pass)];
     if (sums.empty())
         return;
     double* out = sums.data() + pixel * static_cast<std::size_t>(channels);
     for (int c = 0; c < channels; ++c)
-        out[c] += static_cast<double>(values[c]);
+        out[c] += weight * static_cast<double>(values[c]);
 }
 
-void Film::add(int x, int y, const PixelSample& sample, float exposure) {
+void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight) {
     const std::size_t pixel = index(x, y);
+    const double w = weight;
     const Rgb volume = sample.volume * exposure, surface = sample.surface * exposure,
               emission = sample.emission * exposure;
     const Rgb light = volume + surface;
     const float combined[4] = {light.x, light.y, light.z, sample.alpha};
-    add_to(PassId::combined, pixel, combined, 4);
-    add_to(PassId::volume, pixel, &volume.x, 3);
-    add_to(PassId::surface, pixel, &surface.x, 3);
-    add_to(PassId::emission, pixel, &emission.x, 3);
-    add_to(PassId::transmittance, pixel, &sample.transmittance.x, 3);
-    add_to(PassId::albedo, pixel, &sample.albedo.x, 3);
-    add_to(PassId::volume_albedo, pixel, &sample.volume_albedo.x, 3);
-    add_to(PassId::normal, pixel, &sample.normal.x, 3);
-    add_to(PassId::vsp_target, pixel, &sample.vsp_target, 1);
-    add_to(PassId::vsp_achieved, pixel, &sample.vsp_achieved, 1);
-    add_to(PassId::majorant_optical_depth, pixel, &sample.majorant_depth, 1);
-    add_to(PassId::cost, pixel, &sample.cost, 1);
+    add_to(PassId::combined, pixel, combined, 4, w);
+    add_to(PassId::volume, pixel, &volume.x, 3, w);
+    add_to(PassId::surface, pixel, &surface.x, 3, w);
+    add_to(PassId::emission, pixel, &emission.x, 3, w);
+    add_to(PassId::transmittance, pixel, &sample.transmittance.x, 3, w);
+    add_to(PassId::albedo, pixel, &sample.albedo.x, 3, w);
+    add_to(PassId::volume_albedo, pixel, &sample.volume_albedo.x, 3, w);
+    add_to(PassId::normal, pixel, &sample.normal.x, 3, w);
+    add_to(PassId::vsp_target, pixel, &sample.vsp_target, 1, w);
+    add_to(PassId::vsp_achieved, pixel, &sample.vsp_achieved, 1, w);
+    add_to(PassId::majorant_optical_depth, pixel, &sample.majorant_depth, 1, w);
+    add_to(PassId::cost, pixel, &sample.cost, 1, w);
     if (counts_[pixel] == 0) {
-        add_to(PassId::depth, pixel, &sample.depth, 1);
-        add_to(PassId::mist, pixel, &sample.mist, 1);
+        add_to(PassId::depth, pixel, &sample.depth, 1, 1);
+        add_to(PassId::mist, pixel, &sample.mist, 1, 1);
     }
-    add_squares(PassId::variance, pixel, light);
-    add_squares(PassId::volume_variance, pixel, volume);
-    add_squares(PassId::surface_variance, pixel, surface);
-    ++counts_[pixel];
+    add_squares(PassId::variance, pixel, light, w);
+    add_squares(PassId::volume_variance, pixel, volume, w);
+    add_squares(PassId::surface_variance, pixel, surface, w);
+    counts_[pixel] += weight;
+    if (!taken_.empty()) {
+        ++taken_[pixel];
+        squared_weights_[pixel] += w * w;
+    }
 }
 
-void Film::add_squares(PassId pass, std::size_t pixel, Rgb light) {
-    if (!has(pass))
+void Film::add_squares(PassId pass, std::size_t pixel, Rgb light, double weight) {
+    if (sums_of(pass).empty())
         return;
     double* squares = sums_[at(pass)].data() + 3 * pixel;
     for (int c = 0; c < 3; ++c)
-        squares[c] += static_cast<double>(light[c]) * static_cast<double>(light[c]);
+        squares[c] += weight * (static_cast<double>(light[c]) * static_cast<double>(light[c]));
+}
+
+double Film::variance(PassId pass, std::size_t pixel, std::size_t channel) const {
+    const PassId mean_pass = variance_of(pass);
+    const auto stride = static_cast<std::size_t>(kPasses[at(mean_pass)].channels);
+    const double n = counts_[pixel];
+    const double mean = sums_of(mean_pass)[stride * pixel + channel] / n;
+    const double spread = std::max(0.0, sums_of(pass)[3 * pixel + channel] / n - mean * mean);
+    if (taken_.empty())
+        return n > 1 ? spread / (n - 1) : 0;
+    // Sum of the squared shares: 1 / n of equal weights. Of the spread about the mean, that much is missing.
+    const double shares = squared_weights_[pixel] / (n * n);
+    return taken_[pixel] > 1 ? spread * shares / (1 - shares) : 0;
 }
 
 std::vector<float> Film::variance(PassId pass) const {
-    const PassId mean_pass = variance_of(pass);
-    const auto stride = static_cast<std::size_t>(kPasses[at(mean_pass)].channels);
-    const std::vector<double>&sums = sums_of(mean_pass), &squares = sums_of(pass);
     std::vector<float> out(counts_.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
-        const double n = counts_[i];
-        double sum = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double mean = sums[stride * i + c] / n;
-            sum += std::max(0.0, squares[3 * i + c] / n - mean * mean);
-        }
-        out[i] = n > 1 ? static_cast<float>(sum / 3 / (n - 1)) : 0;
+        if (counts_[i] > 0)
+            out[i] = static_cast<float>((variance(pass, i, 0) + variance(pass, i, 1) + variance(pass, i, 2)) / 3);
     }
     return out;
 }
 
+double Film::relative_error() const {
+    if (!keeps_error_)
+        throw std::logic_error("this film keeps nothing to tell its error by");
+    constexpr double kEpsilon = 0.01;
+    const auto stride = static_cast<std::size_t>(kPasses[at(PassId::combined)].channels);
+    const std::vector<double>& sums = sums_of(PassId::combined);
+    double error = 0, known = 0;
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+        if ((taken_.empty() ? counts_[i] : taken_[i]) < 2)
+            continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double mean = sums[stride * i + c] / counts_[i];
+            error += variance(PassId::variance, i, c) / (mean * mean + kEpsilon);
+        }
+        known += 3;
+    }
+    return known > 0 ? error / known : std::numeric_limits<double>::infinity();
+}
+
 std::vector<float> Film::read(PassId pass) const {
     const PassInfo& info = kPasses[at(pass)];
-    if (pass == PassId::sample_count)
-        return {counts_.begin(), counts_.end()};
+    if (pass == PassId::sample_count) {
+        const std::vector<std::uint32_t>& samples = taken_.empty() ? counts_ : taken_;
+        return {samples.begin(), samples.end()};
+    }
     if (!has(pass)) {
         throw std::invalid_argument(std::string("the pass '") + info.name +
                                     "' was not asked for; add it to the film's passes");
@@ -145,6 +190,10 @@ std::vector<float> Film::read(PassId pass) const {
 std::map<std::string, std::vector<double>> Film::save() const {
     std::map<std::string, std::vector<double>> saved;
     saved["sample_count"].assign(counts_.begin(), counts_.end());
+    if (!taken_.empty()) {
+        saved["samples_taken"].assign(taken_.begin(), taken_.end());
+        saved["squared_weights"] = squared_weights_;
+    }
     for (int p = 0; p < kPassCount; ++p) {
         if (!sums_[p].empty())
             saved[kPasses[p].identifier] = sums_[p];
@@ -162,9 +211,15 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
                 "' is missing or of another size); render with the settings it was made with");
         }
     }
-    const std::vector<double>& counts = saved.at("sample_count");
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        counts_[i] = static_cast<std::uint32_t>(counts[i]);
+    const auto take_counts = [](std::vector<std::uint32_t>& counts, const std::vector<double>& values) {
+        std::transform(values.begin(), values.end(), counts.begin(),
+                       [](double n) { return static_cast<std::uint32_t>(n); });
+    };
+    take_counts(counts_, saved.at("sample_count"));
+    if (!taken_.empty()) {
+        take_counts(taken_, saved.at("samples_taken"));
+        squared_weights_ = saved.at("squared_weights");
+    }
     for (int p = 0; p < kPassCount; ++p) {
         if (!sums_[p].empty())
             sums_[p] = saved.at(kPasses[p].identifier);

@@ -33,24 +33,38 @@ struct PixelSample {
     VspRecord vsp;
 };
 
+/// What a film keeps besides its passes.
+struct FilmNeeds {
+    bool error = false;    ///< squares of the light, for relative_error()
+    bool weights = false;  ///< samples may stand for several
+};
+
 class Film {
   public:
     /// width, height: of the region rendered.
-    Film(int width, int height, std::span<const PassId> passes);
+    Film(int width, int height, std::span<const PassId> passes, FilmNeeds needs = {});
 
     int width() const { return width_; }
     int height() const { return height_; }
     /// Whether the pass was asked for; the sample count always is.
     bool has(PassId pass) const { return asked_[static_cast<std::size_t>(pass)]; }
 
-    /// Adds a sample to pixel (x, y), scaled by `exposure` where it is light.
-    void add(int x, int y, const PixelSample& sample, float exposure);
+    /// Adds a sample to pixel (x, y), scaled by `exposure` where it is light. weight: of how many samples it
+    /// takes the place.
+    void add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight = 1);
+    /// Samples that those of the pixel stand for.
     std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
 
     /// The pass as (height, width, channels) floats, first row at the bottom. Throws std::invalid_argument
     /// where it was not asked for. May be called while samples are being added: pixels are then a mix of
     /// older and newer.
     std::vector<float> read(PassId pass) const;
+
+    /// Estimate of the image's relMSE by the spread of its samples: mean over pixels and RGB of the mean's
+    /// variance / (mean^2 + 0.01), as nephele/metrics.py defines it. Pixels of fewer than two samples are left
+    /// out; infinite where all are. Errs on the high side where samples are stratified, and on the low side
+    /// where what is rare was not seen yet.
+    double relative_error() const;
 
     /// Sums by name, for checkpoints. Throws std::invalid_argument where they do not fit this film.
     std::map<std::string, std::vector<double>> save() const;
@@ -61,14 +75,21 @@ class Film {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
     const std::vector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
+    void keep(PassId pass);
     void allocate(PassId pass, int channels);
-    void add_to(PassId pass, std::size_t pixel, const float* values, int channels);
-    void add_squares(PassId pass, std::size_t pixel, Rgb light);
+    void add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight);
+    void add_squares(PassId pass, std::size_t pixel, Rgb light, double weight);
+    /// Variance of the pixel's mean, of a channel of the pass whose squares `pass` keeps; 0 below two samples.
+    double variance(PassId pass, std::size_t pixel, std::size_t channel) const;
     std::vector<float> variance(PassId pass) const;
 
     int width_, height_;
     std::array<bool, kPassCount> asked_{};
+    bool keeps_error_;
     std::vector<std::uint32_t> counts_;
+    // Where samples may stand for several: how many there are, and the sum of their squared weights.
+    std::vector<std::uint32_t> taken_;
+    std::vector<double> squared_weights_;
     std::vector<double> sums_[kPassCount];  ///< channels of kPasses; variances: sums of squares, RGB
 };
 

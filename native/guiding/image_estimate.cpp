@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kSums = "image_sums";
 constexpr const char* kWorth = "image_worth";
 constexpr const char* kScale = "image_scale";
+constexpr const char* kRate = "image_rate";
 
 }  // namespace
 
@@ -21,7 +22,8 @@ ImageEstimate::ImageEstimate(int width, int height)
       height_(height),
       sums_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
       worth_(sums_.size()),
-      scale_(sums_.size()) {}
+      scale_(sums_.size()),
+      rate_(sums_.size(), 1.0f) {}
 
 void ImageEstimate::add(int x, int y, float radiance, float work) {
     BranchSums& sums = sums_[index(x, y)];
@@ -44,13 +46,17 @@ void ImageEstimate::update() {
         known += 1;
     }
     const double mean = known > 0 ? light / known : 0;
-    double noise = 0;
+    double noise = 0, rates = 0;
     for (std::size_t i = 0; i < scale_.size(); ++i) {
         const double l = double{pooled[i].light}, square = l * l + kDark * mean * mean;
         scale_[i] = static_cast<float>(std::sqrt(square));
-        if (l > 0)
-            noise += double{std::min(pooled[i].noise, kNoisiest)} * (l * l / square);
+        const double error = l > 0 ? double{std::min(pooled[i].noise, kNoisiest)} * (l * l / square) : 0;
+        noise += error;
+        rate_[i] = pooled[i].cost > 0 ? static_cast<float>(std::sqrt(error / double{pooled[i].cost})) : 0;
+        rates += double{rate_[i]};
     }
+    for (float& rate : rate_)
+        rate = rates > 0 ? static_cast<float>(double{rate} * static_cast<double>(rate_.size()) / rates) : 1;
     const double per_work = noise > 0 && work > 0 ? std::sqrt(noise / work) : 0;
     for (std::size_t i = 0; i < worth_.size(); ++i)
         worth_[i] = pooled[i].light > 0 ? static_cast<float>(double{scale_[i]} * per_work) : 0;
@@ -60,12 +66,14 @@ void ImageEstimate::save(std::map<std::string, std::vector<double>>& saved) cons
     saved[kSums] = flattened(sums_);
     saved[kWorth] = flattened(worth_);
     saved[kScale] = flattened(scale_);
+    saved[kRate] = flattened(rate_);
 }
 
 void ImageEstimate::restore(const std::map<std::string, std::vector<double>>& saved) {
     unflatten(saved, kSums, sums_);
     unflatten(saved, kWorth, worth_);
     unflatten(saved, kScale, scale_);
+    unflatten(saved, kRate, rate_);
 }
 
 bool ImageEstimate::inherit(const std::map<std::string, std::vector<double>>& saved, float samples) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A smooth estimate of the image so far, and of how noisy and how much work its samples are: what guided
-// termination measures a path's branches by (Rath et al. 2022).
+// termination measures a path's branches by (Rath et al. 2022), and where more samples lower the image's error
+// most.
 #pragma once
 
 #include <map>
@@ -24,6 +25,14 @@ class ImageEstimate {
     /// The pixel's scale times the root of (the image's relative variance / mean work of a path); 0: unknown.
     float worth(int x, int y) const { return worth_[index(x, y)]; }
 
+    /// Of how many samples one takes the place in the passes up to the next update: a power of two, more
+    /// where the image is cleaner. Samples in proportion to the root of (relative variance / work) lower the
+    /// image's relative error most for the work.
+    std::uint32_t stride(int x, int y) const {
+        const float rate = rate_[index(x, y)];
+        return rate >= 0.5f ? 1 : rate >= 0.25f ? 2 : rate >= 0.125f ? 4 : 8;
+    }
+
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
     void restore(const std::map<std::string, std::vector<double>>& saved);
@@ -39,6 +48,7 @@ class ImageEstimate {
     int width_, height_;
     std::vector<BranchSums> sums_;
     std::vector<float> worth_, scale_;
+    std::vector<float> rate_;  // of samples, relative to the image's mean
 };
 
 }  // namespace nephele

@@ -59,6 +59,8 @@ class Renderer:
         while self.done < self.settings["samples"] and not self.cancelled.is_set():
             if 0 < self.settings["time_limit"] <= time.monotonic() - begin:
                 break
+            if (self.error() or 1e9) <= self.settings["target_error"]:
+                break
             for name, total in self.sums.items():
                 key = hashlib.sha256(f"{self.settings['seed']} {self.done} {name}".encode()).digest()
                 total += np.random.default_rng(list(key)).random(total.shape)
@@ -87,7 +89,13 @@ class Renderer:
             "samples": samples,
             "fraction": self.done / samples,
             "seconds": self.seconds,
+            "error": self.error(),
         }
+
+    def error(self):
+        """The fake's error falls as 1 / samples."""
+        told = self.settings["estimate_error"] or self.settings["target_error"] > 0
+        return 1 / self.done if told and self.done else None
 
     def read_pass(self, name):
         return (self.sums[name] / max(self.done, 1)).astype(np.float32)
@@ -105,6 +113,12 @@ class Renderer:
             "render_cpu_seconds": self.seconds,
             "train_seconds": 0.0,
             "first_tile_seconds": 0.001,
+            "errors": [
+                {"seconds": 0.5 * n, "cpu_seconds": 1.0 * n, "samples": n, "error": 1 / n}
+                for n in range(1, self.done + 1)
+                if self.error() is not None
+            ],
+            "target_reached": (self.error() or 1e9) <= self.settings["target_error"],
             "grids": [],
         } | FIELD
 

@@ -384,6 +384,7 @@ def test_no_viewport_methods_yet():
 
 
 def test_status_text():
-    progress = {"samples_done": 3, "samples": 12, "seconds": 65.0, "fraction": 0.25}
+    progress = {"samples_done": 3, "samples": 12, "seconds": 65.0, "fraction": 0.25, "error": None}
     assert engine.status_text(progress) == "Sample 3/12 | 1:05 | 3:15 left"
+    assert engine.status_text(progress | {"error": 0.0213}) == "Sample 3/12 | 1:05 | Error 0.021 | 3:15 left"
     assert engine.clock(3661) == "1:01:01"

@@ -14,8 +14,8 @@ class Terminal(io.StringIO):
         return True
 
 
-def report(done, seconds):
-    return {"samples_done": done, "samples": 8, "fraction": done / 8, "seconds": seconds}
+def report(done, seconds, error=None):
+    return {"samples_done": done, "samples": 8, "fraction": done / 8, "seconds": seconds, "error": error}
 
 
 def show_all(reporter):
@@ -40,6 +40,15 @@ def test_a_log_gets_a_line_now_and_then(monkeypatch):
     stream = io.StringIO()
     show_all(progress.Reporter(stream=stream))
     assert stream.getvalue() == "Frame 3: 5/8 samples, 62 %, 10 s, 30 s left\ndone\n"
+
+
+def test_the_error_is_told_where_it_is_known():
+    stream = Terminal()
+    reporter = progress.Reporter(stream=stream)
+    reporter.begin("Rendering")
+    reporter.show(report(0, 0.0))
+    reporter.show(report(4, 10.0, 0.01234))
+    assert "Rendering: 4/8 samples, 50 %, error 0.012, 10 s, 10 s left" in stream.getvalue()
 
 
 def test_quiet_writes_nothing():

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "math/sampler.h"
@@ -177,6 +178,42 @@ TEST(Film, RestoresWhatItSavedAndRefusesWhatDoesNotFit) {
     EXPECT_THROW(other.restore(film.save()), std::invalid_argument);
     EXPECT_THROW(other.restore({}), std::invalid_argument);
     EXPECT_EQ(other.count(1, 1), 0u);  // a refused checkpoint changes nothing
+}
+
+TEST(Film, SamplesMayStandForSeveral) {
+    Film film(1, 1, kSome, {.error = true, .weights = true});
+    film.add(0, 0, sample_of(1), 1);
+    film.add(0, 0, sample_of(3), 1, 3);
+    EXPECT_EQ(film.count(0, 0), 4u);
+    EXPECT_EQ(film.read(PassId::sample_count)[0], 2);
+    EXPECT_EQ(film.read(PassId::cost)[0], 2.5f);
+    EXPECT_EQ(film.read(PassId::depth)[0], 10) << "of the first sample";
+    // Red, green and blue are 1, 3, 1 and 3, 7, 3: the weighted spread about the mean is 3 / 16 of the squared
+    // difference; the squared shares add up to 10 / 16, which is missing of it.
+    const double red = 4 * 3 / 16.0 * (10.0 / 6), green = 4 * red;
+    EXPECT_FLOAT_EQ(film.read(PassId::variance)[0], static_cast<float>((2 * red + green) / 3));
+    const double error = (2 * red / (2.5 * 2.5 + 0.01) + green / (36 + 0.01)) / 3;
+    EXPECT_NEAR(film.relative_error(), error, 1e-12);
+    Film again(1, 1, kSome, {.error = true, .weights = true});
+    again.restore(film.save());
+    EXPECT_EQ(again.relative_error(), film.relative_error());
+    EXPECT_EQ(again.read(PassId::sample_count), film.read(PassId::sample_count));
+    Film equal(1, 1, kSome);
+    EXPECT_NO_THROW(equal.restore(film.save()));
+    EXPECT_THROW(again.restore(equal.save()), std::invalid_argument) << "it does not know how many there are";
+}
+
+TEST(Film, TellsItsErrorOnceEveryPixelCan) {
+    const PassId depth[] = {PassId::depth};
+    Film film(2, 1, depth, {.error = true});
+    EXPECT_TRUE(std::isinf(film.relative_error()));
+    film.add(0, 0, sample_of(1), 1);
+    EXPECT_TRUE(std::isinf(film.relative_error())) << "one sample has no spread";
+    film.add(0, 0, sample_of(3), 1);
+    // Variances of the means 1, 4, 1 at means 2, 5, 2; the other pixel is left out.
+    EXPECT_NEAR(film.relative_error(), (2 * 1 / 4.01 + 4 / 25.01) / 3, 1e-12);
+    EXPECT_FALSE(film.has(PassId::variance)) << "what it keeps for itself is no pass";
+    EXPECT_THROW(Film(1, 1, depth).relative_error(), std::logic_error);
 }
 
 TEST(Film, RefusesAnEmptyFrame) {
