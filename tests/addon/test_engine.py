@@ -54,7 +54,7 @@ class FakeRenderer:
         samples = self.settings["samples"]
         done = int(fraction * samples)
         return {"state": state, "message": "", "samples_done": done, "samples": samples, "fraction": fraction,
-                "seconds": time.monotonic() - self.started}  # fmt: skip
+                "seconds": time.monotonic() - self.started, "error": None}  # fmt: skip
 
     def read_pass(self, name):
         if name not in self.scene.film.passes:

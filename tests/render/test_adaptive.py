@@ -34,31 +34,35 @@ def truth():
 
 
 @pytest.mark.parametrize("guiding", ["never", "auto"])
-def test_adaptive_means_are_the_plain_ones(truth, guiding):
-    """Over 160 seeds of 64 samples, of which each pixel takes as many as its noise asks for; blocks of 4 x 4
-    pixels and the three channels, 72 z-scores. False alarms: 1 in 1000 seeds (Sidak)."""
-    settings = {"samples": 64, "target_error": NEVER, "train_field": guiding, "threads": 2}
-    runs = [rendered(seed=seed, **settings) for seed in range(160)]
-    assert runs[0].statistics()["target_reached"] is False
-    images = np.stack([image_of(run) for run in runs])
+def test_adaptive_means_are_the_plain_ones(guiding):
+    """Over 160 seeds of 64 samples, of which each pixel takes as many as its noise asks for, against 160 others
+    of 64 each; blocks of 4 x 4 pixels and the three channels, 72 z-scores, those without noise aside. False
+    alarms: 1 in 1000 seeds (Sidak)."""
 
-    def blocks(image):
-        return image.reshape(*image.shape[:-3], 4, 4, 6, 4, 3).mean(axis=(-4, -2))
+    def blocks(first, **settings):
+        runs = [rendered(samples=64, train_field=guiding, seed=first + k, **settings) for k in range(160)]
+        images = np.stack([image_of(run) for run in runs]).reshape(160, 4, 4, 6, 4, 3).mean(axis=(2, 4))
+        return images.mean(axis=0), images.std(axis=0, ddof=1) / len(images) ** 0.5
 
-    error = blocks(images).std(axis=0, ddof=1) / len(images) ** 0.5
-    z = (blocks(images).mean(axis=0) - blocks(truth)) / np.hypot(error, error.mean() * 0.2)
-    assert np.abs(z).max() < 4.4, z
+    adaptive, error = blocks(0, target_error=NEVER)
+    plain, plain_error = blocks(1000)
+    assert np.allclose(adaptive, plain, rtol=0.1)
+    noise = np.maximum(np.hypot(error, plain_error), 1e-6 * plain)
+    assert (noise > 1e-4 * plain).mean() > 0.5
+    z = (adaptive - plain) / noise
+    assert np.abs(z).max() < 4.35, z
 
 
 def test_adaptive_takes_fewer_samples_where_the_image_is_clean():
     names = ("Combined", "Sample Count", "Variance", "Cost")
     renderer = rendered(names, samples=256, target_error=NEVER, seed=3)
     counts, cost = renderer.read_pass("Sample Count")[..., 0], renderer.read_pass("Cost")[..., 0]
-    sky = cost == 0
-    assert sky.any()
-    assert np.all(counts[sky] == 16 + 240 / 8), "nothing but the sky: 16 samples, then an eighth"
+    least = 16 + 240 / 8  # 16 samples, then an eighth
+    assert counts.min() == least
+    assert np.median(counts[cost == 0]) == least, "where there is nothing but the sky"
     assert counts.max() == 256
-    assert counts.min() == counts[sky].min()
+    variance = renderer.read_pass("Variance")[..., 0]
+    assert np.median(counts[variance > np.quantile(variance, 0.9)]) == 256
     assert renderer.progress()["samples_done"] == 256
 
 
