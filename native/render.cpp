@@ -147,7 +147,8 @@ bool Render::enough() {
     const double target = double{settings_.target_error};
     const bool reached = target > 0 && samples_done_ >= kFirst && error <= target;
     const std::lock_guard lock(mutex_);
-    statistics_.errors.push_back({seconds_since(start_), statistics_.render_cpu_seconds, samples_done_, error});
+    statistics_.errors.push_back(
+        {seconds_since(start_), statistics_.render_cpu_seconds, samples_done_, error});
     statistics_.target_reached = reached;
     return reached;
 }

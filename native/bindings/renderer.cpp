@@ -38,7 +38,7 @@ nb::object array(std::vector<T> values, std::initializer_list<std::size_t> shape
 
 using Sums = std::map<std::string, std::vector<double>>;
 
-nb::dict arrays(Sums sums) {
+nb::dict arrays(Sums&& sums) {
     nb::dict out;
     for (auto& [name, values] : sums) {
         const std::size_t size = values.size();
@@ -215,9 +215,10 @@ void bind_renderer(nb::module_& m) {
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
         .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
-        .def("progress", &Renderer::progress,
-             "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds, error "
-             "(estimated relMSE, None where none is estimated).")
+        .def(
+            "progress", &Renderer::progress,
+            "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds, error "
+            "(estimated relMSE, None where none is estimated).")
         .def("read_pass", &Renderer::read_pass, nb::arg("name"),
              "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError "
              "where it was not asked for.")

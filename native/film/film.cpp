@@ -139,7 +139,8 @@ std::vector<float> Film::variance(PassId pass) const {
     std::vector<float> out(counts_.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         if (counts_[i] > 0)
-            out[i] = static_cast<float>((variance(pass, i, 0) + variance(pass, i, 1) + variance(pass, i, 2)) / 3);
+            out[i] =
+                static_cast<float>((variance(pass, i, 0) + variance(pass, i, 1) + variance(pass, i, 2)) / 3);
     }
     return out;
 }

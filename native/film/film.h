@@ -61,9 +61,9 @@ class Film {
     std::vector<float> read(PassId pass) const;
 
     /// Estimate of the image's relMSE by the spread of its samples: mean over pixels and RGB of the mean's
-    /// variance / (mean^2 + 0.01), as nephele/metrics.py defines it. Pixels of fewer than two samples are left
-    /// out; infinite where all are. Errs on the high side where samples are stratified, and on the low side
-    /// where what is rare was not seen yet.
+    /// variance / (mean^2 + 0.01), as nephele/metrics.py defines it. Pixels of fewer than two samples are
+    /// left out; infinite where all are. Errs on the high side where samples are stratified, and on the low
+    /// side where what is rare was not seen yet.
     double relative_error() const;
 
     /// Sums by name, for checkpoints. Throws std::invalid_argument where they do not fit this film.
@@ -79,7 +79,8 @@ class Film {
     void allocate(PassId pass, int channels);
     void add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight);
     void add_squares(PassId pass, std::size_t pixel, Rgb light, double weight);
-    /// Variance of the pixel's mean, of a channel of the pass whose squares `pass` keeps; 0 below two samples.
+    /// Variance of the pixel's mean, of a channel of the pass whose squares `pass` keeps; 0 below two
+    /// samples.
     double variance(PassId pass, std::size_t pixel, std::size_t channel) const;
     std::vector<float> variance(PassId pass) const;
 

@@ -10,6 +10,7 @@ namespace nephele {
 
 namespace {
 
+constexpr int kReach = 2;  // pixels
 constexpr const char* kSums = "image_sums";
 constexpr const char* kWorth = "image_worth";
 constexpr const char* kScale = "image_scale";
@@ -57,9 +58,25 @@ void ImageEstimate::update() {
     }
     for (float& rate : rate_)
         rate = rates > 0 ? static_cast<float>(double{rate} * static_cast<double>(rate_.size()) / rates) : 1;
+    spread_rates();
     const double per_work = noise > 0 && work > 0 ? std::sqrt(noise / work) : 0;
     for (std::size_t i = 0; i < worth_.size(); ++i)
         worth_[i] = pooled[i].light > 0 ? static_cast<float>(double{scale_[i]} * per_work) : 0;
+}
+
+/// Gives every pixel the highest rate around it: what the pixel filter or a smooth edge brings in now and
+/// then was seen there before.
+void ImageEstimate::spread_rates() {
+    const std::vector<float> own = rate_;
+    for (int y = 0; y < height_; ++y) {
+        for (int x = 0; x < width_; ++x) {
+            float& highest = rate_[index(x, y)];
+            for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height_ - 1); ++v) {
+                for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, width_ - 1); ++u)
+                    highest = std::max(highest, own[index(u, v)]);
+            }
+        }
+    }
 }
 
 void ImageEstimate::save(std::map<std::string, std::vector<double>>& saved) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A smooth estimate of the image so far, and of how noisy and how much work its samples are: what guided
-// termination measures a path's branches by (Rath et al. 2022), and where more samples lower the image's error
-// most.
+// termination measures a path's branches by (Rath et al. 2022), and where more samples lower the image's
+// error most.
 #pragma once
 
 #include <map>
@@ -26,11 +26,11 @@ class ImageEstimate {
     float worth(int x, int y) const { return worth_[index(x, y)]; }
 
     /// Of how many samples one takes the place in the passes up to the next update: a power of two, more
-    /// where the image is cleaner. Samples in proportion to the root of (relative variance / work) lower the
-    /// image's relative error most for the work.
+    /// where the image is cleaner for some pixels around. Samples in proportion to the root of (relative
+    /// variance / work) lower the image's relative error most for the work.
     std::uint32_t stride(int x, int y) const {
         const float rate = rate_[index(x, y)];
-        return rate >= 0.5f ? 1 : rate >= 0.25f ? 2 : rate >= 0.125f ? 4 : 8;
+        return rate >= 1 ? 1 : rate >= 0.5f ? 2 : rate >= 0.25f ? 4 : 8;
     }
 
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
@@ -41,6 +41,7 @@ class ImageEstimate {
     bool inherit(const std::map<std::string, std::vector<double>>& saved, float samples);
 
   private:
+    void spread_rates();
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }

@@ -188,8 +188,8 @@ TEST(Film, SamplesMayStandForSeveral) {
     EXPECT_EQ(film.read(PassId::sample_count)[0], 2);
     EXPECT_EQ(film.read(PassId::cost)[0], 2.5f);
     EXPECT_EQ(film.read(PassId::depth)[0], 10) << "of the first sample";
-    // Red, green and blue are 1, 3, 1 and 3, 7, 3: the weighted spread about the mean is 3 / 16 of the squared
-    // difference; the squared shares add up to 10 / 16, which is missing of it.
+    // Red, green and blue are 1, 3, 1 and 3, 7, 3: the weighted spread about the mean is 3 / 16 of the
+    // squared difference; the squared shares add up to 10 / 16, which is missing of it.
     const double red = 4 * 3 / 16.0 * (10.0 / 6), green = 4 * red;
     EXPECT_FLOAT_EQ(film.read(PassId::variance)[0], static_cast<float>((2 * red + green) / 3));
     const double error = (2 * red / (2.5 * 2.5 + 0.01) + green / (36 + 0.01)) / 3;

@@ -35,9 +35,9 @@ def truth():
 
 @pytest.mark.parametrize("guiding", ["never", "auto"])
 def test_adaptive_means_are_the_plain_ones(guiding):
-    """Over 160 seeds of 64 samples, of which each pixel takes as many as its noise asks for, against 160 others
-    of 64 each; blocks of 4 x 4 pixels and the three channels, 72 z-scores, those without noise aside. False
-    alarms: 1 in 1000 seeds (Sidak)."""
+    """Over 160 seeds of 64 samples, of which each pixel takes as many as its noise asks for, against 160
+    others of 64 each; blocks of 4 x 4 pixels and the three channels, 72 z-scores. False alarms: 1 in 1000
+    seeds (Sidak)."""
 
     def blocks(first, **settings):
         runs = [rendered(samples=64, train_field=guiding, seed=first + k, **settings) for k in range(160)]
