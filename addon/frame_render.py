@@ -119,8 +119,8 @@ class FrameRender:
 
     def write_images(self, images, native):
         """Writes the EXR and the PNG."""
-        error = native["errors"][-1]["error"] if native["errors"] else None
-        attributes = checkpoint.image_attributes(self.identity(), native["samples_done"], error)
+        done, error = native["samples_done"], last_error(native)
+        attributes = checkpoint.image_attributes(self.identity(), done, error)
         exr.write(self.image_path, images, self.scene.film, self.source.layer, attributes)
         if self.request.png:
             with atomic(self.request.path("png", self.frame)) as temporary:
@@ -165,13 +165,18 @@ class FrameRender:
         if native["nonfinite_samples"]:
             self.reporter.say(f"warning: {native['nonfinite_samples']} samples were not finite and left out")
         self.reporter.say(field_line(native["guiding_field"]))
-        limit = ""
-        if done < wanted:
-            limit = f" of {wanted} " + (
-                "(target error reached)" if native["target_reached"] else "(time limit; --resume continues)"
-            )
-        error = f", estimated error {native['errors'][-1]['error']:.3g}" if native["errors"] else ""
-        self.reporter.say(f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s{error}")
+        why = "target error reached" if native["target_reached"] else "time limit; --resume continues"
+        limit = f" of {wanted} ({why})" if done < wanted else ""
+        error = last_error(native)
+        estimate = "" if error is None else f", estimated error {error:.3g}"
+        self.reporter.say(
+            f"{self.image_path}: {done}{limit} samples, {self.seconds['render']:.1f} s{estimate}"
+        )
+
+
+def last_error(native):
+    """Returns the error as Renderer.statistics() estimated it last, or None."""
+    return native["errors"][-1]["error"] if native["errors"] else None
 
 
 def field_line(field):

@@ -50,11 +50,16 @@ def page(title, images, maps, render, statistics=None):
     if statistics is not None:
         shown = {key: value for key, value in statistics.items() if key not in ("settings", "passes")}
         parts += ["<h2>Statistics</h2>", table(("name", "value"), flat(shown))]
+    return document(title, parts)
+
+
+def document(title, parts, style=""):
+    """Returns the HTML of a page of these parts. style: CSS besides STYLE."""
     return "\n".join(
         [
             "<!DOCTYPE html>",
             f'<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
-            f"<style>{STYLE}</style></head><body>",
+            f"<style>{STYLE}{style}</style></head><body>",
             *parts,
             "</body></html>\n",
         ]

@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from .false_colour import encoded
-from .inspection import STYLE, flat, number, png, table
-from .maps import WHITE_SHARE, percentile
+from .inspection import document, flat, number, png, table
+from .maps import exposure
 
 FIRST = 16  # samples from which on estimates of the error say something
 WIDTH, HEIGHT, MARGIN = 520, 320, 56  # of a plot, px
@@ -51,10 +51,7 @@ def page(title, native, combined, shown):
         "<h2>Render</h2>",
         table(("name", "value"), flat(shown)),
     ]
-    head = f'<meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}{PLOT_STYLE}</style>'
-    return "\n".join(
-        ["<!DOCTYPE html>", f'<html lang="en"><head>{head}</head><body>', *parts, "</body></html>\n"]
-    )
+    return document(title, parts, PLOT_STYLE)
 
 
 def headline(native, marks):
@@ -84,11 +81,9 @@ def slope(marks):
 
 
 def picture(combined):
-    """Returns Combined as a PNG in a data URL, at the exposure that inspect's page shows it at."""
-    colour = combined[::-1, :, :3]
-    brightest = colour.max(axis=-1)
-    white = percentile(brightest[np.isfinite(brightest)], WHITE_SHARE)
-    return f"data:image/png;base64,{png(encoded(colour / white))}"
+    """Returns Combined as a PNG in a data URL, at the exposure of inspect's page."""
+    white = exposure({"Combined": ("RGBA", combined)}, "")
+    return f"data:image/png;base64,{png(encoded(combined[::-1, :, :3] / white))}"
 
 
 def plot(marks, key, label):

@@ -59,7 +59,7 @@ Learning::Learning(const Scene& scene, const Settings& settings, int width, int 
     if (guides_camera_rays(settings, scene.features()))
         guides_.emplace(width, height, settings);
     const bool trains = decide_field(scene, settings).trains;
-    if (trains || adapts())
+    if (trains || adapts(settings_))
         image_.emplace(width, height);
     if (!trains)
         return;
@@ -94,7 +94,7 @@ void Learning::ask(std::uint64_t path, SampleRequest& request) const {
 
 std::uint32_t Learning::stride(int x, int y) const {
     constexpr int kFirst = 16;  // samples before which too little is known of the noise
-    return adapts() && learned_at_ >= kFirst ? image_->stride(x, y) : 1;
+    return adapts(settings_) && learned_at_ >= kFirst ? image_->stride(x, y) : 1;
 }
 
 void Learning::add(int x, int y, const PixelSample& sample, int set, Workspace& ws) {
@@ -129,7 +129,7 @@ bool Learning::update(int samples) {
         return false;
     if (guides_)
         guides_->update();
-    if (image_ && (adapts() || !retired()))
+    if (image_ && (adapts(settings_) || !retired()))
         image_->update();
     if (field_ && !choice_.decided() && samples > kTrialBegins)
         end_round(samples >= kTrialEnds);

@@ -12,6 +12,11 @@
 
 namespace nephele {
 
+/// Whether pixels take fewer samples where the image is clean.
+inline bool adapts(const Settings& settings) {
+    return settings.adaptive_sampling && settings.target_error > 0;
+}
+
 class Learning {
   public:
     /// width, height: of the region rendered.
@@ -51,7 +56,6 @@ class Learning {
 
   private:
     bool retired() const;
-    bool adapts() const { return settings_.adaptive_sampling && settings_.target_error > 0; }
     void judge(int x, int y, float radiance, float work, int set, Workspace& ws);
     void end_round(bool last);
 

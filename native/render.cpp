@@ -134,8 +134,7 @@ void Render::run() {
 }
 
 FilmNeeds Render::film_needs() const {
-    const bool target = settings_.target_error > 0;
-    return {target || settings_.estimate_error, target && settings_.adaptive_sampling};
+    return {settings_.target_error > 0 || settings_.estimate_error, adapts(settings_)};
 }
 
 /// Notes the error so far, where it is to be known; returns whether it is at the target.
@@ -301,6 +300,13 @@ double Render::seconds() const {
     if (state_ == State::idle)
         return 0;
     return state_ == State::running ? seconds_since(start_) : statistics().render_seconds;
+}
+
+std::optional<double> Render::error() const {
+    const std::lock_guard lock(mutex_);
+    if (statistics_.errors.empty())
+        return std::nullopt;
+    return statistics_.errors.back().error;
 }
 
 RenderStatistics Render::statistics() const {

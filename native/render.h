@@ -8,6 +8,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "film/film.h"
@@ -67,6 +68,8 @@ class Render {
     /// Share of all samples taken, in [0, 1].
     double fraction() const;
     double seconds() const;
+    /// The error as it was estimated last; nothing where it is not to be known, or not yet.
+    std::optional<double> error() const;
     const Film& film() const { return film_; }
     const FilmSource& frame() const { return frame_; }
     RenderStatistics statistics() const;

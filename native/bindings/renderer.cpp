@@ -118,10 +118,9 @@ class Renderer {
         out["samples"] = settings_.samples;
         out["fraction"] = render_->fraction();
         out["seconds"] = render_->seconds();
-        const RenderStatistics s = render_->statistics();
         out["error"] = nb::none();
-        if (!s.errors.empty())
-            out["error"] = s.errors.back().error;
+        if (const auto error = render_->error())
+            out["error"] = *error;
         return out;
     }
 

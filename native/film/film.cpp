@@ -40,7 +40,7 @@ constexpr bool is_variance(PassId pass) {
 }  // namespace
 
 Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds needs)
-    : width_(width), height_(height), keeps_error_(needs.error) {
+    : width_(width), height_(height) {
     if (width <= 0 || height <= 0) {
         throw std::invalid_argument("the render is " + std::to_string(width) + " x " +
                                     std::to_string(height) + " pixels; set a resolution of at least 1 x 1");
@@ -146,7 +146,7 @@ std::vector<float> Film::variance(PassId pass) const {
 }
 
 double Film::relative_error() const {
-    if (!keeps_error_)
+    if (sums_of(PassId::variance).empty())
         throw std::logic_error("this film keeps nothing to tell its error by");
     constexpr double kEpsilon = 0.01;
     const auto stride = static_cast<std::size_t>(kPasses[at(PassId::combined)].channels);

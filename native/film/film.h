@@ -86,7 +86,6 @@ class Film {
 
     int width_, height_;
     std::array<bool, kPassCount> asked_{};
-    bool keeps_error_;
     std::vector<std::uint32_t> counts_;
     // Where samples may stand for several: how many there are, and the sum of their squared weights.
     std::vector<std::uint32_t> taken_;

@@ -61,10 +61,6 @@ int TechniqueChoice::draw(float u) const {
 }
 
 void TechniqueChoice::decide(const Trial& trial, bool end) {
-    if (sets_.size() < kSets) {
-        chosen_ = 0;
-        return;
-    }
     const auto cost = [](const TrialSums& sums) {
         const auto n = static_cast<double>(sums.paths);
         return static_cast<double>(sums.error) / n * (static_cast<double>(sums.work) / n);

@@ -16,8 +16,7 @@ namespace nephele {
 inline std::optional<float> expected_branches(const SampleRequest& request, const FieldRegion* region,
                                               float beta) {
     constexpr float kFewest = 0.25f, kMost = 4;
-    constexpr float kPatience =
-        1.25f;  // ending paths as soon as that pays on average costs some scenes a lot
+    constexpr float kPatience = 1.25f;  // ending paths as soon as it pays on average costs some scenes much
     if (!request.use.roulette || !region || !(request.worth > 0))
         return std::nullopt;
     if (!(region->worth > 0))

@@ -51,7 +51,9 @@ def folder(tmp_path_factory):
 
 HERE = Path(__file__).parent
 COMMAND = (sys.executable, str(HERE / "fake_native.py"))
-ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, sys.path)])}
+# Without what bpy adds once it is imported here: there, its parts cannot be imported before itself.
+PATHS = [path for path in sys.path if path and "bpy" not in Path(path).parts]
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *PATHS])}
 
 
 def run(folder, *arguments):

@@ -2,14 +2,12 @@
 """The estimated error of a render, stopping at one, and fewer samples where the image is clean: means stay
 right, the estimate is what it claims to be, and an interruption changes nothing."""
 
-import time
-
 import nephele_native
 import numpy as np
 import pytest
 from nephele import metrics
 from small_world import small_world
-from truth import finished
+from truth import finished, finished_after_interruption
 
 NEVER = 1e-12  # a target that no noise comes down to
 SIZE = (24, 16)
@@ -136,18 +134,7 @@ def test_errors_are_estimated_only_where_asked_for():
 def test_an_interrupted_adaptive_render_continues_to_the_same_bits():
     scene = small_world().description((72, 40), samples=100, seed=5, target_error=NEVER)
     whole = finished(scene)["Combined"]
-    renderer = nephele_native.Renderer(scene)
-    renderer.start()
-    while renderer.progress()["samples_done"] < 32:
-        time.sleep(0.001)
-    renderer.cancel()
-    assert renderer.wait(10)
-    assert renderer.progress()["state"] == "cancelled", "it was too fast to be cancelled; take more samples"
-    rest = nephele_native.Renderer(scene)
-    rest.restore(renderer.checkpoint())
-    rest.start()
-    assert rest.wait(100)
-    assert np.array_equal(rest.read_pass("Combined")[..., :3], whole.astype(np.float32))
+    assert np.array_equal(finished_after_interruption(scene, 32), whole.astype(np.float32))
 
 
 def test_adaptive_images_do_not_depend_on_threads():

@@ -18,6 +18,7 @@ from truth import (
     diffuse,
     emission,
     finished,
+    finished_after_interruption,
     orthographic,
     perspective,
     sphere,
@@ -81,18 +82,7 @@ def test_checkpoint_continues_to_the_same_bits(reference):
 def test_checkpoint_of_a_cancelled_render_continues_to_the_same_bits():
     scene = small_world().description((72, 40), samples=60, seed=5)
     whole = finished(scene)["Combined"]
-    renderer = nephele_native.Renderer(scene)
-    renderer.start()
-    while renderer.progress()["samples_done"] < 5:
-        time.sleep(0.001)
-    renderer.cancel()
-    assert renderer.wait(10)
-    assert renderer.progress()["state"] == "cancelled", "it was too fast to be cancelled; take more samples"
-    rest = nephele_native.Renderer(scene)
-    rest.restore(renderer.checkpoint())
-    rest.start()
-    assert rest.wait(100)
-    assert np.array_equal(rest.read_pass("Combined")[..., :3], whole.astype(np.float32))
+    assert np.array_equal(finished_after_interruption(scene, 5), whole.astype(np.float32))
 
 
 def test_checkpoint_of_another_frame_is_refused():

@@ -5,6 +5,7 @@ Shared by the truth tests of the renderer. World space in metres; images are (he
 row at the bottom.
 """
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -220,6 +221,25 @@ class Scene:
         """Returns pass name -> (height, width, channels) float64, Combined without alpha. No sample may be
         non-finite."""
         return finished(self.description(passes=passes, **film_and_settings))
+
+
+def finished_after_interruption(scene, after):
+    """Returns Combined of a description.Scene, (height, width, 3) float32, rendered in two parts: cancelled
+    once every pixel has `after` samples, then taken up from its checkpoint by another renderer."""
+    import nephele_native
+
+    first = nephele_native.Renderer(scene)
+    first.start()
+    while first.progress()["samples_done"] < after:
+        time.sleep(0.001)
+    first.cancel()
+    assert first.wait(10)
+    assert first.progress()["state"] == "cancelled", "it was too fast to be cancelled; take more samples"
+    rest = nephele_native.Renderer(scene)
+    rest.restore(first.checkpoint())
+    rest.start()
+    assert rest.wait(100)
+    return rest.read_pass("Combined")[..., :3]
 
 
 def finished(scene, **also):
