@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-vsp bench-guiding scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-foundation scenes bake clean
 
 python := .venv/bin/python
 
@@ -13,7 +13,7 @@ ARGS ?=
 FILES ?=
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-17s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: ## install Debian packages and .venv, where missing
 	@scripts/setup.sh
@@ -45,16 +45,12 @@ asan: setup ## run the native tests under the address and undefined-behaviour sa
 	@scripts/build.sh asan
 	@scripts/asan.sh
 
-bench: build ## measure, and write the report
-	$(python) bench/foundation.py $(ARGS)
-
-bench-vsp: build ## measure the guiding of the volume scattering probability (hours; see ARGS="--help")
-	$(python) bench/vsp.py $(ARGS)
-
-bench-guiding: build ## measure the guiding field beside Cycles and Mitsuba (hours; see ARGS="--help")
+bench: build ## measure error against run time, beside Cycles and Mitsuba (hours; see ARGS="--help")
 	@scripts/setup.sh bench
-	$(python) bench/vsp.py --configs delta,vspg,directions,directions+segments,everything,auto \
-	    --cycles --mitsuba $(ARGS)
+	.venv/bin/nephele bench -o out/bench $(ARGS)
+
+bench-foundation: build ## measure speed against Cycles at equal samples, and memory
+	$(python) bench/foundation.py $(ARGS)
 
 scenes: build ## make the bundled .blend files anew from their scripts
 	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done

@@ -26,11 +26,11 @@ class Parser(argparse.ArgumentParser):
 def build_parser():
     """Returns the parser of every command; parsed arguments hold the command's function as `run`."""
     # Imported here, inside main(), where Ctrl-C has its exit code already: they take a while.
-    from .commands import compare, info, inspect, render, settings
+    from .commands import bench, compare, info, inspect, render, settings
 
     parser = Parser(prog="nephele", description="Renders Blender scenes with volumes.", allow_abbrev=False)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (render, compare, inspect, info, settings):
+    for command in (render, compare, inspect, info, bench, settings):
         command.add_parser(commands)
     return parser
 

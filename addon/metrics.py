@@ -84,17 +84,20 @@ def bias_z(a, r, variance):
 
 def flip(image, reference, finite):
     """Returns the mean FLIP error over `finite` pixels of the RGB channels, or None when there are none."""
+    return float(flip_map(image, reference, finite)[finite].mean()) if finite.any() else None
+
+
+def flip_map(image, reference, finite):
+    """Returns the FLIP error of every pixel, (h, w); that of pixels that are not `finite` says nothing."""
     import flip_evaluator  # slow to load, and of no use to the other commands
 
-    if not finite.any():
-        return None
     # FLIP takes non-negative linear Rec. 709.
     a, r = (np.where(finite[..., None], i[..., :3], 0).clip(0).astype(np.float32) for i in (image, reference))
     # It derives its range of exposures from the reference's luminance, which for a black one has no
     # logarithm.
     parameters = {} if r.max() > 0 else {"startExposure": 0.0, "stopExposure": 0.0}
     errors, _, _ = flip_evaluator.evaluate(r, a, "HDR", applyMagma=False, parameters=parameters)
-    return float(np.asarray(errors).reshape(finite.shape)[finite].mean())
+    return np.asarray(errors).reshape(finite.shape)
 
 
 FUNCTIONS = {"relmse": relmse, "smape": smape, "mape": mape, "bias": bias}

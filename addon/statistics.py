@@ -100,6 +100,7 @@ def collect(scene, native, native_module, images, seconds, first_tile, context):
         "process_to_first_tile_seconds": first_tile,
         "peak_rss_bytes": peak_rss_bytes(),
         "rays": native["rays"],
+        "path_segments": native["path_segments"],
         "density_lookups": native["density_lookups"],
         "nonfinite_samples": native["nonfinite_samples"],
         "grids": [dict(grid) for grid in native["grids"]],

@@ -40,7 +40,8 @@ class Job:
     "GAUSSIAN" or "BLACKMAN_HARRIS", filter_width in pixels (not for BOX); None: the file's own. frame: None
     for the file's. guiding: path guiding, surfaces and volumes. light_tree: choose lamps by it. persistent:
     keep what was set up from one seed to the next; without it every image pays for the whole preparation,
-    which for a volume takes Cycles seconds."""
+    which for a volume takes Cycles seconds. warm_up: render an image of one sample first, for what is
+    kept."""
 
     scene: str
     resolution: tuple
@@ -55,6 +56,7 @@ class Job:
     guiding: bool = False
     light_tree: bool = False
     persistent: bool = True
+    warm_up: bool = False
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,16 @@ class Renders:
     """The images of a job: passes[name] is (seeds, height, width, channels) float32, top row first.
 
     cpu_seconds, wall_seconds: (seeds,), of the render operator: synchronisation, hierarchy, sampling, file.
+    warm_up_cpu: of the image of one sample before, 0 without. peak_rss_bytes: of Blender's process. version:
+    Blender's.
     """
 
     passes: dict
     cpu_seconds: np.ndarray
     wall_seconds: np.ndarray
+    warm_up_cpu: float
+    peak_rss_bytes: int
+    version: str
 
 
 def render(job):
@@ -80,7 +87,14 @@ def render(job):
             raise RuntimeError(f"{job.scene}: Cycles failed: {done.stderr.strip() or done.stdout.strip()}")
         with np.load(result) as stored:
             images = {name: stored[f"pass {name}"] for name in job.passes}
-            return Renders(images, stored["cpu_seconds"], stored["wall_seconds"])
+            return Renders(
+                images,
+                stored["cpu_seconds"],
+                stored["wall_seconds"],
+                float(stored["warm_up_cpu"]),
+                int(stored["peak_rss_bytes"]),
+                str(stored["version"]),
+            )
 
 
 # ------------------------------------------------------------------------------------ inside the process
@@ -166,7 +180,15 @@ def run(job, out):
 
     scene = prepare(bpy, job)
     images, cpu, wall = {name: [] for name in job["passes"]}, [], []
+    warm_up = 0.0
     with tempfile.TemporaryDirectory() as folder:
+        if job["warm_up"]:
+            begin = cpu_seconds()
+            scene.cycles.samples = 1
+            scene.render.filepath = str(Path(folder, "warm_up.exr"))
+            bpy.ops.render.render(write_still=True)
+            warm_up = cpu_seconds() - begin
+            scene.cycles.samples = job["samples"]
         for seed in job["seeds"]:
             scene.cycles.seed = seed
             scene.render.filepath = str(Path(folder, f"{seed}.exr"))
@@ -177,7 +199,12 @@ def run(job, out):
             for name, pixels in read_passes(scene.render.filepath, job["passes"]).items():
                 images[name].append(pixels)
     stacks = {f"pass {name}": np.stack(stack) for name, stack in images.items()}
-    np.savez(out, cpu_seconds=cpu, wall_seconds=wall, **stacks)
+    told = {
+        "warm_up_cpu": warm_up,
+        "peak_rss_bytes": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        "version": f"Cycles of Blender {bpy.app.version_string}",
+    }
+    np.savez(out, cpu_seconds=cpu, wall_seconds=wall, **told, **stacks)
 
 
 if __name__ == "__main__":

@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 from nephele import description_file
 from nephele.bridge import create_renderer
+from nephele.errors import InputError
 
 
 def export(scene, folder, resolution=None, frame=None):
     """Returns the description.Scene of a .blend; its files are unpacked into `folder`, which must be kept.
 
-    Raises RuntimeError with the command's words.
+    Raises InputError with the command's words.
     """
     path = Path(folder, "scene.nephele")
     command = [
@@ -36,7 +37,9 @@ def export(scene, folder, resolution=None, frame=None):
         command += ["--frame", str(frame)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise RuntimeError(f"{scene}: {done.stderr.strip()}")
+        raise InputError(
+            f"{scene}: cannot be exported: {done.stderr.strip().removeprefix('nephele: error: ')}"
+        )
     return description_file.load(path, folder)
 
 

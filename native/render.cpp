@@ -189,6 +189,7 @@ void Render::render_tile(int tile, int target) {
     }
     const std::lock_guard lock(mutex_);
     statistics_.rays += ws.counters.rays;
+    statistics_.path_segments += ws.counters.segments;
     statistics_.density_lookups += ws.counters.density_lookups;
     statistics_.bound_violations += ws.counters.bound_violations;
     statistics_.nonfinite_samples += ws.nonfinite_samples;

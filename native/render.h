@@ -37,7 +37,8 @@ struct ErrorMark {
 };
 
 struct RenderStatistics {
-    std::uint64_t rays = 0, density_lookups = 0, nonfinite_samples = 0, bound_violations = 0;
+    std::uint64_t rays = 0, path_segments = 0, density_lookups = 0, nonfinite_samples = 0,
+                  bound_violations = 0;
     double render_seconds = 0;      ///< wall clock
     double render_cpu_seconds = 0;  ///< of all render threads
     double train_seconds = 0;       ///< of render_seconds: learning between passes, wall clock

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two small scenes that are lit only indirectly, to measure the guiding field with `bench/vsp.py`.
+"""Two small scenes that are lit only indirectly, to measure the guiding field with `nephele bench indirect`.
 
     door    a lamp behind a door left ajar, thin fog in both rooms
     window  a room whose light comes from a sunlit cloud and the ground below, through a pane of glass

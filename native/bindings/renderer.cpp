@@ -144,6 +144,7 @@ class Renderer {
         out["left_out"] = scene_->features().list(false);
         out["samples_done"] = render_->samples_done();
         out["rays"] = s.rays;
+        out["path_segments"] = s.path_segments;
         out["density_lookups"] = s.density_lookups;
         out["nonfinite_samples"] = s.nonfinite_samples;
         out["bound_violations"] = s.bound_violations;

@@ -51,6 +51,7 @@ class Path : private PathLight {
     /// One segment; false where the branch ends.
     bool extend() {
         ++ws_.counters.rays;
+        ++ws_.counters.segments;
         const Hit hit = scene_.intersect(walk_.ray, walk_.kind);
         const float end = std::min(hit.t, walk_.ray.t_max);
         const LampHit lamp = nearest_lamp(end);

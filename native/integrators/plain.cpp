@@ -110,6 +110,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
     const auto add = [&](float light) { (volume_first ? out.volume : out.surface)[channel] += beta * light; };
     for (;;) {
         ++ws.counters.rays;
+        ++ws.counters.segments;
         const int bounces = surface_bounces + volume_bounces;
         const Hit hit = scene.intersect(ray, kind);
         const float end = std::min(hit.t, ray.t_max);

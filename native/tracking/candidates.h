@@ -15,6 +15,7 @@ namespace nephele {
 struct Counters {
     std::uint64_t density_lookups = 0;
     std::uint64_t rays = 0;
+    std::uint64_t segments = 0;          ///< of paths: the rays that are not shadow rays
     std::uint64_t field_queries = 0;     ///< of the guiding field
     std::uint64_t bound_violations = 0;  ///< lookups above the majorant or below the minorant: 0, or a bug
 };

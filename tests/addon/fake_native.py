@@ -105,6 +105,7 @@ class Renderer:
             "kernel_features": ["mesh"],
             "left_out": [],
             "rays": 10 * self.done,
+            "path_segments": 10 * self.done,
             "density_lookups": 20 * self.done,
             "nonfinite_samples": 0,
             "samples_done": self.done,

@@ -60,6 +60,7 @@ def test_render_writes_image_and_statistics(tmp_path):
     assert content["nonfinite_samples"] == 0
     assert content["rays"] > 32 * 18 * 4
     assert content["density_lookups"] > 0
+    assert 0 < content["path_segments"] <= content["rays"]
     assert content["grids"]
     assert content["seconds"]["render"] > 0
     assert (

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `nephele bench` renders: suites of bundled scenes, or any .blend."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from nephele.errors import InputError
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENES = ROOT / "blend_scenes"
+
+
+@dataclass(frozen=True)
+class BenchScene:
+    """path: of the .blend. bounces: of each kind and of all together, in every program. reference: the method
+    that renders the reference image: an unguided one, unless nothing unguided gets there."""
+
+    name: str
+    path: Path
+    bounces: int
+    reference: str = "delta"
+    about: str = ""
+
+
+def bundled(folder, name, bounces, about, reference="delta"):
+    """Returns the BenchScene of blend_scenes/FOLDER/NAME.blend."""
+    return BenchScene(name, SCENES / folder / f"{name}.blend", bounces, reference, about)
+
+
+SUITES = {
+    "guiding": (
+        bundled("guiding", "alley", 16, "wants more scattering"),
+        bundled("guiding", "mist", 16, "wants more scattering"),
+        bundled("guiding", "ember", 32, "wants less scattering"),
+        bundled("guiding", "smoke_screen", 16, "wants less scattering"),
+        bundled("guiding", "cumulus", 32, "delta tracking is about right"),
+        bundled("guiding", "milk", 128, "adverse: long paths, nothing to gain"),
+    ),
+    "indirect": (
+        bundled("indirect", "door", 32, "light only through a gap", "everything"),
+        bundled("indirect", "window", 32, "light only from clouds and sky behind glass", "everything"),
+    ),
+}
+DEFAULT = "guiding"
+
+
+def chosen(suite, only, bounces):
+    """Returns the BenchScenes of a suite, or of a .blend that `suite` names; `only`: names among them, or
+    None. bounces: those of a .blend.
+
+    Raises InputError for a name that is not there.
+    """
+    if Path(suite).suffix == ".blend":
+        if not Path(suite).is_file():
+            raise InputError(f"{suite}: no such file")
+        return (BenchScene(Path(suite).stem, Path(suite), bounces),)
+    if suite == "all":
+        scenes = tuple(scene for suite_scenes in SUITES.values() for scene in suite_scenes)
+    elif suite in SUITES:
+        scenes = SUITES[suite]
+    else:
+        raise InputError(
+            f"no suite is called '{suite}'; there are {', '.join(SUITES)}, all, or a .blend file"
+        )
+    if only is None:
+        return scenes
+    found = {scene.name: scene for scene in scenes}
+    for name in only:
+        if name not in found:
+            raise InputError(f"--scenes: suite '{suite}' has no scene '{name}'; it has {', '.join(found)}")
+    return tuple(found[name] for name in only)
