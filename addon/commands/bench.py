@@ -43,7 +43,7 @@ def add_parser(subparsers):
     parser.add_argument(
         "--seeds", type=int, default=3, metavar="N", help="images of each; default: %(default)s"
     )
-    parser.add_argument("--resolution", default="160x90", metavar="WxH", help="default: %(default)s")
+    parser.add_argument("--resolution", default="128x72", metavar="WxH", help="default: %(default)s")
     parser.add_argument("--threads", type=int, default=2, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--bounces", type=int, default=16, metavar="N", help="of a .blend; default: %(default)s"
