@@ -82,6 +82,18 @@ PARAMETERS = (
         "threads", "int", 0, "Threads", "Render threads; 0 uses every core", 0, 1024, 64, group="performance"
     ),
     Parameter(
+        "hierarchy",
+        "enum",
+        "whole",
+        "Hierarchy",
+        "Over which triangles rays are traced, and what is built again where an object moves or changes",
+        items=(
+            ("whole", "Whole Scene", "One over all that stands still: the fastest rays"),
+            ("by_mesh", "By Mesh", "One for each mesh: moving an object or changing a mesh builds little again"),
+        ),
+        group="performance",
+    ),
+    Parameter(
         "time_limit",
         "float",
         0.0,
