@@ -2,7 +2,8 @@
 """What one export shares: warnings, images, materials, and the numbers of UV maps and attributes."""
 
 from .. import description
-from .images import read_image
+from .cache import ExportCache
+from .images import kept_image
 from .nodes import compile_material
 
 
@@ -11,10 +12,13 @@ class ExportError(ValueError):
 
 
 class Context:
-    """State of one export. depsgraph: Blender's, evaluated. warnings: in order of appearance, each once."""
+    """State of one export. depsgraph: Blender's, evaluated. cache: ExportCache of the exports before it.
+    block: the material or world that is being compiled. warnings: in order of appearance, each once."""
 
-    def __init__(self, depsgraph):
+    def __init__(self, depsgraph, cache=None):
         self.depsgraph = depsgraph
+        self.cache = cache or ExportCache()
+        self.block = None
         self.scene = depsgraph.scene_eval
         self.view_layer = depsgraph.view_layer_eval
         self.warnings = []
@@ -41,7 +45,7 @@ class Context:
         be read."""
         if image.name_full not in self._image_numbers:
             self._image_numbers[image.name_full] = len(self.images)
-            self.images.append(read_image(image, user, self.warn))
+            self.images.append(kept_image(image, user, self))
         return self._image_numbers[image.name_full]
 
     def material_number(self, material, grids=None):
