@@ -87,6 +87,10 @@ class BlendSource:
             raise InputError(
                 f"{self.path}: scene '{scene.name}' renders {size[0]}x{size[1]} pixels; raise its resolution"
             )
+        # For good: with another engine Blender would let go of the depsgraph that tells what changed.
+        kept = (render.engine, render.use_compositing, render.use_sequencer, render.use_persistent_data)
+        self._undo.callback(set_up, render, *kept)
+        set_up(render, EXPORT_ENGINE, False, False, self._several)
         self.open_seconds = time.perf_counter() - begin
 
     def export(self, frame=None):
@@ -98,10 +102,6 @@ class BlendSource:
         with noise.hidden():
             if frame is not None:
                 self._scene.frame_set(frame)
-            render = self._scene.render
-            kept = (render.engine, render.use_compositing, render.use_sequencer)
-            render.engine, render.use_compositing, render.use_sequencer = EXPORT_ENGINE, False, False
-            render.use_persistent_data = self._several  # the depsgraph stays, and tells what changed
             self._engine.outcome.clear()
             try:
                 self._bpy.ops.render.render(scene=self._scene.name)
@@ -109,8 +109,6 @@ class BlendSource:
                 raise InputError(
                     f"{self.path}: Blender cannot render it: {' '.join(str(error).split())}"
                 ) from error
-            finally:
-                render.engine, render.use_compositing, render.use_sequencer = kept
             result = self._engine.outcome.get("result")
             if isinstance(result, InputError):
                 raise InputError(f"{self.path}: {result}") from result
@@ -156,6 +154,12 @@ class BlendSource:
 
     def __exit__(self, *_):
         self.close()
+
+
+def set_up(render, engine, compositing, sequencer, persistent):
+    """Says how Blender renders."""
+    render.engine, render.use_compositing, render.use_sequencer = engine, compositing, sequencer
+    render.use_persistent_data = persistent
 
 
 def check_volumes(bpy, depsgraph):

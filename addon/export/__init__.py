@@ -27,7 +27,7 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
     at fault and the remedy. What is left out is named in the result's `warnings`.
     """
     cache = ExportCache() if cache is None else cache
-    cache.begin(depsgraph, trusted=engine is not None)
+    cache.begin(depsgraph, engine, motion)
     context = Context(depsgraph, cache)
     film = export_film(context)
     camera = export_camera(context, engine, film.width, film.height)

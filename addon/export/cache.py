@@ -5,6 +5,7 @@ What did not change is the same object in both descriptions, which is how the na
 """
 
 from .history import History, uid
+from .unnoticed import evaluate_unnoticed
 
 
 class Kept:
@@ -30,19 +31,24 @@ class Kept:
 
 class ExportCache:
     """Of one scene, whose exports follow one another. meshes: MeshArrays by key of the evaluated data.
-    images: see images.py. files: TemporaryPaths by what they hold."""
+    images: see images.py. materials: see materials.py. files: TemporaryPaths by what they hold. values: see
+    unnoticed.py."""
 
     def __init__(self):
         self.history = History()
-        self.meshes, self.images, self.files = Kept(), Kept(), Kept()
+        self.meshes, self.images, self.materials, self.files, self.values = (Kept() for _ in range(5))
+        self._kept = (self.meshes, self.images, self.materials, self.files, self.values)
         self._by_name = {}  # (uid of an object, name of its mesh) -> MeshArrays, of the last export
 
-    def begin(self, depsgraph, *, trusted):
+    def begin(self, depsgraph, engine, final):
         """An export begins. One that fails before `end` leaves all as it was, but for the trust in updates.
-        trusted: the updates of `depsgraph` are all since the last export of it."""
-        for kept in (self.meshes, self.images, self.files):
+        engine: None where the updates of `depsgraph` may not be all since the last export of it. final: it is
+        not of a viewport."""
+        for kept in self._kept:
             kept.begin()
-        self.history.begin(depsgraph, trusted=trusted)
+        if engine is not None and final:
+            evaluate_unnoticed(engine, depsgraph, self.values)
+        self.history.begin(depsgraph, trusted=engine is not None)
 
     def mesh_before(self, key, name):
         """Returns the MeshArrays that may hold what a mesh holds now, or None. name: see end()."""
@@ -51,7 +57,7 @@ class ExportCache:
     def end(self, depsgraph, by_name):
         """The export is complete. by_name: (uid of an object, name of its mesh) -> MeshArrays."""
         self._by_name = by_name
-        for kept in (self.meshes, self.images, self.files):
+        for kept in self._kept:
             kept.end()
         self.history.end(depsgraph)
 

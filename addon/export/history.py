@@ -51,6 +51,10 @@ class History:
         """Tells whether nothing at all of the data-blocks was evaluated anew."""
         return self._touched is not None and not any(uid(block) in self._touched for block in blocks)
 
+    def any_touched(self, uids):
+        """Tells whether one of these data-blocks was evaluated anew, or may have been."""
+        return self._touched is None or not self._touched.isdisjoint(uids)
+
     def see(self, item):
         """Takes note of the data of an evaluated object."""
         self._now.setdefault(uid(item), set()).add(item.data.as_pointer())

@@ -42,11 +42,12 @@ def states(bpy, camera):
     scene.nephele.samples = SAMPLES
 
     def state(pictures=True):
-        render.engine = "FOLLOWER"
+        scene = bpy.context.scene
+        if scene.render.engine != "FOLLOWER":  # setting it makes Blender let go of the depsgraph
+            scene.render.engine = "FOLLOWER"
         for key in ("scene", "fresh", "fault"):
             Follower.outcome.pop(key, None)
         bpy.ops.render.render(scene=scene.name)
-        render.engine = "NEPHELE"
         if "fault" in Follower.outcome:
             raise Follower.outcome["fault"]
         found, fresh = Follower.outcome["scene"], Follower.outcome["fresh"]
@@ -57,8 +58,8 @@ def states(bpy, camera):
         return found
 
     yield state
-    render.engine = "NEPHELE"
-    render.use_persistent_data = False
+    bpy.context.scene.render.engine = "NEPHELE"
+    bpy.context.scene.render.use_persistent_data = False
     bpy.utils.unregister_class(Follower)
 
 
@@ -102,6 +103,27 @@ def grid_mesh(bpy, name, size=4):
     return mesh
 
 
+def grouped_material(bpy, empty):
+    """Returns a material whose colour comes from within two groups, from coordinates of an object."""
+    inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("Inner", "Outer"))
+    for group in (inner, outer):
+        group.interface.new_socket("Value", in_out="OUTPUT", socket_type="NodeSocketVector")
+    where, add = inner.nodes.new("ShaderNodeTexCoord"), inner.nodes.new("ShaderNodeVectorMath")
+    where.object = empty
+    inner.links.new(where.outputs["Object"], add.inputs[0])
+    inner.links.new(add.outputs[0], inner.nodes.new("NodeGroupOutput").inputs[0])
+    use = outer.nodes.new("ShaderNodeGroup")
+    use.node_tree = inner
+    outer.links.new(use.outputs[0], outer.nodes.new("NodeGroupOutput").inputs[0])
+    material = with_nodes(bpy.data.materials.new("Grouped"))
+    use = material.node_tree.nodes.new("ShaderNodeGroup")
+    use.node_tree = outer
+    material.node_tree.links.new(
+        use.outputs[0], material.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    )
+    return material
+
+
 @pytest.fixture
 def stage(bpy, camera, link, tmp_path, openvdb):
     """Returns a scene with one of each kind of thing that may change, and the VDB sequence that it shows."""
@@ -141,6 +163,7 @@ def stage(bpy, camera, link, tmp_path, openvdb):
     material.node_tree.links.new(tint.outputs["Fac"], shader.inputs["Roughness"])
     for mesh in (plain, shared):
         mesh.materials.append(material)
+    items["bent"].data.materials.append(grouped_material(bpy, items["empty"]))
     for frame in range(1, 4):
         grid = openvdb.FloatGrid()
         grid.name = "density"
@@ -189,7 +212,16 @@ def modifier_target(bpy, s):
 
 
 def modifier_value(bpy, s):
+    """One of those for renders only, of which Blender takes no notice."""
     s["bent"].modifiers[0].render_levels = 1
+
+
+def modifier_toggled(bpy, s):
+    s["bent"].modifiers[0].show_render = False
+
+
+def modifier_toggled_back(bpy, s):
+    s["bent"].modifiers[0].show_render = True
 
 
 def simplify(bpy, s):
@@ -219,6 +251,24 @@ def attribute_asked_for(bpy, s):
 
 def material_value(bpy, s):
     s["material"].node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1
+
+
+def group_value(bpy, s):
+    bpy.data.node_groups["Inner"].nodes["Vector Math"].inputs[1].default_value[0] = 0.5
+
+
+def coordinates_moved(bpy, s):
+    s["arrayed"].modifiers["Array"].offset_object = None
+    s["empty"].location.y = 0.5
+
+
+def material_renamed(bpy, s):
+    bpy.data.materials["Grouped"].name = "Renamed"
+
+
+def material_animated(bpy, s):
+    value = bpy.data.materials["Renamed"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
+    value.driver_add("default_value").driver.expression = "frame / 10"
 
 
 def material_reassigned(bpy, s):
@@ -310,12 +360,18 @@ EDITS = {  # edit -> meshes whose shape changes
     shape_key: {"Keyed"},
     modifier_target: {"Arrayed"},
     modifier_value: {SUBDIVIDED},
+    modifier_toggled: set(),
+    modifier_toggled_back: set(),
     simplify: set(),
     text_body: {"Text"},
     uv_changed: set(),
     attribute_changed: set(),
     attribute_asked_for: set(),
     material_value: set(),
+    group_value: set(),
+    coordinates_moved: {"Arrayed"},
+    material_renamed: set(),
+    material_animated: set(),
     material_reassigned: set(),
     faces_reassigned: set(),
     pixels_set: set(),
@@ -352,3 +408,122 @@ def test_after_each_edit_the_scene_is_that_of_a_fresh_export(bpy, stage, states,
     again = states()  # nothing changed
     assert content(again) == content(before)
     assert same_shapes(before, again) == by_name(before.meshes).keys()
+
+
+def test_frames_with_motion_blur(bpy, stage, states, link):
+    """Everything that moves by itself from frame to frame: objects, shapes by drivers, keys and bones, the
+    camera. Going back to a frame gives its picture again."""
+    scene = bpy.context.scene
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+    animate(stage["plain"], "location", {1: (0, 0, 0), 4: (0.3, 0, 0)})
+    animate(scene.camera, "location", {1: (0, 0, 3), 4: (0.2, 0, 3)})
+    animate(stage["material"].node_tree.nodes["Principled BSDF"].inputs["Roughness"], "default_value", {1: 0, 4: 1})
+    stage["keyed"].data.shape_keys.key_blocks["Up"].driver_add("value").driver.expression = "frame / 4"
+    bones = bpy.data.armatures.new("Bones")
+    rig = link("Rig", bones)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = bones.edit_bones.new("Bone")
+    bone.head, bone.tail = (0, 0, 0), (0, 1, 0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bent = stage["bent"]
+    bent.modifiers.new("Armature", "ARMATURE").object = rig
+    bent.vertex_groups.new(name="Bone").add(range(10), 1.0, "ADD")
+    animate(rig.pose.bones["Bone"], "location", {1: (0, 0, 0), 4: (0, 0, 1)})
+    pictures = {}
+    for frame in (1, 2, 3, 3, 2):
+        scene.frame_set(frame)
+        found = states()
+        assert {m.name for m in found.meshes if m.motion is not None} >= {"Keyed", "Bent"}
+        assert pictures.setdefault(frame, content(found)) == content(found)
+    scene.render.use_motion_blur = False
+    assert all(m.motion is None for m in states().meshes)
+
+
+def test_undo_and_redo(bpy, stage, states):
+    bpy.ops.ed.undo_push(message="before")
+    before = states()
+    bpy.data.objects["Plain"].data.vertices[0].co.z = 0.5
+    bpy.data.objects["Lamp"].data.energy = 10
+    bpy.ops.ed.undo_push(message="after")
+    after = states()
+    for step, expected in ((bpy.ops.ed.undo, before), (bpy.ops.ed.redo, after), (bpy.ops.ed.undo, before)):
+        step()
+        bpy.context.scene.nephele.samples = SAMPLES
+        assert content(states()) == content(expected)
+
+
+def test_instances_of_geometry_nodes(bpy, stage, states, link):
+    """Geometry that belongs to no object of its own, and depends on others."""
+    group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    info, cube = group.nodes.new("GeometryNodeObjectInfo"), group.nodes.new("GeometryNodeMeshCube")
+    instances, join = group.nodes.new("GeometryNodeGeometryToInstance"), group.nodes.new("GeometryNodeJoinGeometry")
+    info.inputs["Object"].default_value = stage["plain"]
+    group.links.new(cube.outputs["Mesh"], instances.inputs[0])
+    group.links.new(instances.outputs[0], join.inputs[0])
+    group.links.new(info.outputs["Geometry"], join.inputs[0])
+    group.links.new(join.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    link("Scattered", grid_mesh(bpy, "Ground")).modifiers.new("Nodes", "NODES").node_group = group
+    before = states()
+    camera_moved(bpy, stage)
+    after = states()
+    assert all(a.positions is b.positions for a, b in zip(after.meshes, before.meshes, strict=True))
+    cube.inputs["Size"].default_value = (2, 1, 1)
+    resized = states()
+    assert content(resized) != content(after)
+    vertices_moved(bpy, stage)
+    assert content(states()) != content(resized)
+
+
+def test_a_volume_that_a_modifier_changes(bpy, stage, states):
+    stage["smoke"].data.is_sequence = False
+    stage["smoke"].modifiers.new("Displace", "VOLUME_DISPLACE").strength = 0.0
+    before = states()
+    camera_moved(bpy, stage)
+    after = states()
+    assert after.volumes[0].path is before.volumes[0].path
+    stage["smoke"].modifiers[0].strength = 0.5
+    assert states().volumes[0].path != after.volumes[0].path
+
+
+def test_an_export_that_fails_in_between(bpy, stage, states):
+    """What Blender said had changed then is gone for good."""
+    before = states()
+    vertices_moved(bpy, stage)
+    camera = bpy.context.scene.camera
+    camera.data.type = "PANO"
+    with pytest.raises(ValueError, match="Panoramic|Pano"):
+        states()
+    camera.data.type = "PERSP"
+    assert same_shapes(before, states()) == ALL - {"Plain"}
+
+
+def test_updates_are_not_believed_without_an_engine(bpy, stage):
+    """Whoever asks for the depsgraph of the view layer sees the updates of its last evaluation only."""
+    cache = ExportCache()
+    export_scene(bpy.context.evaluated_depsgraph_get(), cache=cache)
+    vertices_moved(bpy, stage)
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    assert content(export_scene(depsgraph, cache=cache)) == content(export_scene(depsgraph))
+
+
+def test_arrays_cannot_be_written_to(bpy, stage, states):
+    mesh = by_name(states().meshes)["Plain"]
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.positions[0] = 1
+
+
+def test_what_blender_did_not_evaluate_is_not_read(bpy, stage, states, monkeypatch):
+    stage["smoke"].data.is_sequence = False
+    states()
+    read = []
+    monkeypatch.setattr("nephele.export.mesh.read", lambda *_: read.append("mesh"))
+    monkeypatch.setattr("nephele.export.images._read", lambda *_: read.append("image"))
+    monkeypatch.setattr("test_updates.export_scene", lambda *_, **__: None)  # the fresh one
+    monkeypatch.setattr("test_updates.content", lambda _: None)
+    for edit in (camera_moved, lamp_energy, world_strength, object_moved, volume_moved):
+        edit(bpy, stage)
+        states(pictures=False)
+        assert read == [], edit.__name__
