@@ -196,7 +196,7 @@ def engine_class(bpy, *, keeps=False):
         cache = None
 
         def render(self, depsgraph):
-            cache, self.cache = self.cache, None  # of the depsgraph that Blender kept, and of each of its states
+            cache, self.cache = self.cache, None  # it must see each state of the depsgraph that Blender keeps
             try:
                 check_volumes(bpy, depsgraph)
                 cache = cache if keeps and cache is not None else ExportCache()

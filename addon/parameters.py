@@ -89,7 +89,11 @@ PARAMETERS = (
         "Over which triangles rays are traced, and what is built again where an object moves or changes",
         items=(
             ("whole", "Whole Scene", "One over all that stands still: the fastest rays"),
-            ("by_mesh", "By Mesh", "One for each mesh: moving an object or changing a mesh builds little again"),
+            (
+                "by_mesh",
+                "By Mesh",
+                "One for each mesh: little is built again where an object moves or a mesh changes",
+            ),
         ),
         group="performance",
     ),

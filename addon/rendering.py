@@ -49,8 +49,8 @@ def native_module():
 
 
 def build(scene, parts=None):
-    """Returns a native renderer of a description.Scene. parts: see bridge.py. Raises InputError where the scene
-    or a file is at fault."""
+    """Returns a native renderer of a description.Scene. parts: see bridge.py. Raises InputError where the
+    scene or a file is at fault."""
     from .bridge import create_renderer
 
     with noise.hidden():

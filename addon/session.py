@@ -3,7 +3,7 @@
 again. For animations, and for viewports:
 
     session = Session()
-    scene = session.export(depsgraph, engine=self, motion=False)  # in view_update(): Blender changed something
+    scene = session.export(depsgraph, engine=self, motion=False)  # in view_update(): something changed
     scene = dataclasses.replace(scene, camera=..., film=...)      # in view_draw(): the view changed
     renderer = session.build(scene)                               # then start(), wait(), read_pass()
 

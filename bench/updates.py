@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a change costs: the time from a change in Blender to the first pixels, and memory.
 
-A scene of 5 million triangles in 40 meshes of their own (bumpy balls, with UV maps and a material each), three
-VDB volumes, two lamps and a world is rendered in a Blender that keeps its dependency graph; then one thing
-changes after the other. For each: Blender's own evaluation, export, build, start to the first tile of the
-first sample, and their sum without Blender's share. Prints Markdown and writes out/bench/updates.json.
+A scene of 5 million triangles in 40 meshes of their own (bumpy balls, with UV maps and a material each),
+three VDB volumes, two lamps and a world is rendered in a Blender that keeps its dependency graph; then one
+thing changes after the other. For each: Blender's own evaluation, export, build, start to the first tile of
+the first sample, the sum without Blender's share, and the processor's time of export and build. Prints
+Markdown and writes out/bench/updates_HIERARCHY.json.
 """
 
 import argparse
@@ -21,6 +22,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 BALLS, ROWS, VOLUMES = 40, 250, 3
 STAGES = ("blender", "export", "build", "first_tile")
+COLUMNS = (*STAGES, "total", "cpu")
+HEAD = "| hierarchy | change | Blender | export | build | first tile | total | CPU | peak, GB |"
 
 
 def peak_gigabytes():
@@ -89,7 +92,8 @@ def build_scene(bpy, folder, rows, hierarchy):
         item = link(f"Ball {i}", ball(bpy, f"Ball {i}", rows, i))
         item.location = (3 * (i % 8) - 10.5, 3 * (i // 8) - 6, 0)
         material = bpy.data.materials.new(f"Material {i}")
-        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (i / BALLS, 0.5, 0.5, 1)
+        color = material.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+        color.default_value = (i / BALLS, 0.5, 0.5, 1)
         item.data.materials.append(material)
     cloud = bpy.data.materials.new("Cloud")
     nodes = cloud.node_tree.nodes
@@ -117,24 +121,26 @@ def engine_class(bpy):
     class UpdatesEngine(bpy.types.RenderEngine):
         bl_idname = "NEPHELE_UPDATES"
         bl_label = "Updates"
-        session, seconds, scene = None, {}, None  # noqa: RUF012 - of the class: the last render's
+        session, seconds, scene = None, {}, None
 
         def render(self, depsgraph):
             cls = type(self)
-            entered = time.perf_counter()
+            entered, cpu = time.perf_counter(), time.process_time()
             cls.session = cls.session or Session()
             cls.scene = cls.session.export(depsgraph, engine=self)
             exported = time.perf_counter()
-            cls.seconds = {"entered": entered, "export": exported - entered} | first_tile(cls.session, cls.scene)
+            cpu = time.process_time() - cpu
+            cls.seconds = first_tile(cls.session, cls.scene)
+            cls.seconds |= {"entered": entered, "export": exported - entered, "cpu": cls.seconds["cpu"] + cpu}
 
     return UpdatesEngine
 
 
 def first_tile(session, scene):
     """Builds and renders up to the first tile. Returns seconds."""
-    begin = time.perf_counter()
+    begin, cpu = time.perf_counter(), time.process_time()
     renderer = session.build(scene)
-    built = time.perf_counter()
+    built, cpu = time.perf_counter(), time.process_time() - cpu
     renderer.start()
     while renderer.statistics()["first_tile_seconds"] == 0:
         renderer.wait(0.0005)
@@ -142,7 +148,7 @@ def first_tile(session, scene):
     renderer.cancel()
     while not renderer.wait(0.1):
         pass
-    return {"build": built - begin, "first_tile": seconds}
+    return {"build": built - begin, "first_tile": seconds, "cpu": cpu}
 
 
 def edits(bpy):
@@ -156,16 +162,18 @@ def edits(bpy):
         mesh.vertices.foreach_set("co", 1.01 * points)
         mesh.update()
 
+    def scale(owner, name, factor):
+        setattr(owner, name, factor * getattr(owner, name))
+
     def shader(name, node, socket, factor):
-        value = data.materials[name].node_tree.nodes[node].inputs[socket]
-        value.default_value *= factor
+        scale(data.materials[name].node_tree.nodes[node].inputs[socket], "default_value", factor)
 
     def shift(name, axis, by):
         data.objects[name].location[axis] += by
 
     yield "nothing", lambda: None
     yield "camera", lambda: shift("Camera", 0, 0.1)
-    yield "lamp's energy", lambda: setattr(data.lights["Lamp 0"], "energy", data.lights["Lamp 0"].energy * 1.1)
+    yield "lamp's energy", lambda: scale(data.lights["Lamp 0"], "energy", 1.1)
     yield "lamp's place", lambda: shift("Lamp 1", 2, 0.1)
     yield "material's value", lambda: shader("Material 3", "Principled BSDF", "Roughness", 0.9)
     yield "volumes' density", lambda: shader("Cloud", "Principled Volume", "Density", 1.1)
@@ -175,7 +183,7 @@ def edits(bpy):
 
 
 def measure(bpy, hierarchy, rows, repeats):
-    """Returns rows of medians for one layout of the hierarchy: dicts of seconds, and GB at the peak so far."""
+    """Returns rows, dicts of medians in seconds, for one layout; with GB at the peak so far."""
     engine = engine_class(bpy)
     bpy.utils.register_class(engine)
     rows_out = []
@@ -183,11 +191,13 @@ def measure(bpy, hierarchy, rows, repeats):
     def render():
         begin = time.perf_counter()
         bpy.ops.render.render()
-        return {"blender": engine.seconds["entered"] - begin} | {k: engine.seconds[k] for k in STAGES[1:]}
+        return {"blender": engine.seconds["entered"] - begin} | {
+            name: value for name, value in engine.seconds.items() if name != "entered"
+        }
 
     def note(what, measured):
         row = {"hierarchy": hierarchy, "change": what}
-        row |= {stage: float(np.median([m[stage] for m in measured])) for stage in STAGES}
+        row |= {stage: float(np.median([m[stage] for m in measured])) for stage in (*STAGES, "cpu")}
         row["total"] = float(np.median([sum(m[s] for s in STAGES[1:]) for m in measured]))
         rows_out.append(row | {"peak_gigabytes": peak_gigabytes()})
         print(line(rows_out[-1]), flush=True)
@@ -217,7 +227,7 @@ def measure(bpy, hierarchy, rows, repeats):
 
 
 def line(row):
-    stages = " | ".join(f"{1000 * row[stage]:.1f}" for stage in (*STAGES, "total"))
+    stages = " | ".join(f"{1000 * row[stage]:.1f}" for stage in COLUMNS)
     return f"| {row['hierarchy']} | {row['change']} | {stages} | {row['peak_gigabytes']:.2f} |"
 
 
@@ -234,8 +244,7 @@ def main():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     nephele.register()
     try:
-        columns = ["hierarchy", "change", "Blender", "export", "build", "first tile", "total", "peak, GB"]
-        print("Milliseconds.\n\n|", " | ".join(columns), "|\n|", " | ".join("---" for _ in columns), "|")
+        print(f"Milliseconds.\n\n{HEAD}\n{'| --- ' * HEAD.count(' | ')}| --- |")
         rows = measure(bpy, arguments.hierarchy, arguments.rows, arguments.repeats)
     finally:
         nephele.unregister()

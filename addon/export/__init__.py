@@ -23,8 +23,8 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
     motion blur; without one, objects and the camera stand still. cache: ExportCache of the exports of this
     scene before it: what is as it was is the same object again. The updates of `depsgraph` are believed where
     there is an engine, which must have handed each of its depsgraphs to an export with this cache, or use
-    another cache from then on. motion: False for no motion blur, as in viewports. Raises ExportError, its message naming what is
-    at fault and the remedy. What is left out is named in the result's `warnings`.
+    another cache from then on. motion: False for no motion blur, as in viewports. Raises ExportError, its
+    message naming what is at fault and the remedy. What is left out is named in the result's `warnings`.
     """
     cache = ExportCache() if cache is None else cache
     cache.begin(depsgraph, engine, motion)

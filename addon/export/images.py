@@ -83,9 +83,7 @@ def _read(image):
     width, height = image.size  # reads the file
     channels = image.channels
     if width * height == 0 or channels == 0 or len(image.pixels) != width * height * channels:
-        notes.append(
-            f"image '{image.name}' ({image.filepath or 'no file'}) cannot be read; magenta is used"
-        )
+        notes.append(f"image '{image.name}' ({image.filepath or 'no file'}) cannot be read; magenta is used")
         return magenta(image.name), tuple(notes)
     stored = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(stored)

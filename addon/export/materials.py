@@ -73,9 +73,7 @@ def _pointers(cls):
     """Returns the names of the properties of a node class that refer to data-blocks."""
     if cls not in _POINTERS:
         _POINTERS[cls] = [
-            p.identifier
-            for p in cls.bl_rna.properties
-            if p.type == "POINTER" and _is_block(p.fixed_type)
+            p.identifier for p in cls.bl_rna.properties if p.type == "POINTER" and _is_block(p.fixed_type)
         ]
     return _POINTERS[cls]
 

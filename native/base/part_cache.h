@@ -62,9 +62,9 @@ class PartScope {
     PartScope(const PartScope&) = delete;
     PartScope& operator=(const PartScope&) = delete;
 
-    /// The value of a key, made by make() -> std::shared_ptr<const T> where it is not there. The key must hold
-    /// all that make() reads. make() may ask this scope for other keys. What it throws reaches the caller, and
-    /// nothing is kept.
+    /// The value of a key, made by make() -> std::shared_ptr<const T> where it is not there. The key must
+    /// hold all that make() reads. make() may ask this scope for other keys. What it throws reaches the
+    /// caller, and nothing is kept.
     template <typename T, typename Make>
     std::shared_ptr<const T> share(const PartKey& key, const Make& make) {
         struct Kept {

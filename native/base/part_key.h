@@ -19,8 +19,7 @@ namespace nephele {
 class PartKey {
   public:
     template <typename T>
-        requires(std::is_arithmetic_v<T> || std::is_enum_v<T>)
-    PartKey& add(T value) {
+    requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) PartKey& add(T value) {
         return bytes(&value, sizeof value);
     }
     PartKey& add(Vec3f v) { return add(v.x).add(v.y).add(v.z); }
@@ -32,8 +31,7 @@ class PartKey {
     PartKey& add(std::string_view text) { return add(text.size()).bytes(text.data(), text.size()); }
     /// Elements without padding.
     template <typename T, std::size_t N>
-        requires(std::is_trivially_copyable_v<T>)
-    PartKey& add(std::span<T, N> values) {
+    requires(std::is_trivially_copyable_v<T>) PartKey& add(std::span<T, N> values) {
         return add(values.size()).bytes(values.data(), values.size_bytes());
     }
     /// An array, by its address.

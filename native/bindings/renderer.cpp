@@ -93,7 +93,8 @@ nb::list uses(const Techniques& techniques) {
 
 class Renderer {
   public:
-    Renderer(nb::handle description, PartCache* parts) : settings_(settings_of(description.attr("settings"))) {
+    Renderer(nb::handle description, PartCache* parts)
+        : settings_(settings_of(description.attr("settings"))) {
         SceneSource source = scene_source_of(description);
         FilmSource film = film_source_of(description.attr("film"));
         const nb::gil_scoped_release release;
@@ -223,9 +224,10 @@ void bind_renderer(nb::module_& m) {
     nb::class_<Renderer>(
         m, "Renderer",
         "A scene being rendered. Built from a description.Scene, whose arrays it keeps and shares.")
-        .def(nb::init<nb::handle, PartCache*>(), nb::arg("scene"), nb::arg("parts").none() = nb::none(),
-             "Builds the scene. parts: SceneParts of earlier scenes. Raises ValueError or RuntimeError naming "
-             "the object or file at fault.")
+        .def(
+            nb::init<nb::handle, PartCache*>(), nb::arg("scene"), nb::arg("parts").none() = nb::none(),
+            "Builds the scene. parts: SceneParts of earlier scenes. Raises ValueError or RuntimeError naming "
+            "the object or file at fault.")
         .def("start", &Renderer::start, "Starts rendering on native threads and returns at once.")
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")

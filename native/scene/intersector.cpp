@@ -255,7 +255,8 @@ void Intersector::self_test() {
                                  ") is not the one this module was built with (" RTC_VERSION_STRING
                                  "); install the build of Nephele made for this Blender");
     }
-    if (rtcGetDeviceProperty(scene.impl_->device->handle(), RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
+    if (rtcGetDeviceProperty(scene.impl_->device->handle(), RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) ==
+        0) {
         throw std::runtime_error(
             "this Embree library was built without filter functions; install one that has them");
     }

@@ -50,8 +50,8 @@ class Intersector {
     /// Builds the hierarchy over the instances listed. parts: where to look for those of meshes first. Throws
     /// std::runtime_error naming the cause.
     Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                std::span<const std::uint32_t> used, Faces faces = Faces::fast,
-                Layout layout = Layout::whole, PartScope* parts = nullptr);
+                std::span<const std::uint32_t> used, Faces faces = Faces::fast, Layout layout = Layout::whole,
+                PartScope* parts = nullptr);
     /// The one of these instances that is among the parts, or a new one. role: the scene's only one of that
     /// name.
     static std::shared_ptr<const Intersector> shared(PartScope& parts, std::string_view role,

@@ -7,7 +7,8 @@ namespace nephele::embree {
 
 namespace {
 
-RTCGeometry watertight_triangles(RTCDevice device, const Mesh& mesh, const Vertices& vertices, OwnFaces* own) {
+RTCGeometry watertight_triangles(RTCDevice device, const Mesh& mesh, const Vertices& vertices,
+                                 OwnFaces* own) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangle_count()));

@@ -11,8 +11,8 @@
 
 namespace nephele::embree {
 
-/// The triangles of a mesh with these vertices, which have 4 bytes to spare behind the last where they are not
-/// the mesh's own. own: tests the faces, and must live as long; null: Embree does.
+/// The triangles of a mesh with these vertices, which have 4 bytes to spare behind the last where they are
+/// not the mesh's own. own: tests the faces, and must live as long; null: Embree does.
 RTCGeometry triangles(RTCDevice device, const Mesh& mesh, const Vertices& vertices, OwnFaces* own);
 
 class MeshHierarchy {
@@ -25,7 +25,8 @@ class MeshHierarchy {
     std::ptrdiff_t bytes() const { return bytes_; }
 
     /// The one of this mesh that is there, or a new one.
-    static std::shared_ptr<const MeshHierarchy> shared(PartScope& parts, const std::shared_ptr<Device>& device,
+    static std::shared_ptr<const MeshHierarchy> shared(PartScope& parts,
+                                                       const std::shared_ptr<Device>& device,
                                                        const Mesh& mesh, std::optional<float> slack);
 
   private:

@@ -43,8 +43,8 @@ void Scene::add_lights() {
         key.add(source_.world.visibility).add(width).add(height);
         naming("world", [&, w = width, h = height] {
             world = parts_->share<EnvironmentLight>(key, [&] {
-                return std::make_shared<EnvironmentLight>(
-                    [&](Vec3f d) { return background(d, kDiffuseRay); }, w, h);
+                return std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); },
+                                                          w, h);
             });
         });
     }

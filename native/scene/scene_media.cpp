@@ -86,7 +86,8 @@ std::span<const ImageBounds> Scene::image_bounds() {
         for (const Image& image : source_.images) {
             PartKey key;
             add_to(key, image);
-            image_bounds_.push_back(*parts_->get_or_make<ImageBounds>(key, [&] { return ImageBounds(image); }));
+            image_bounds_.push_back(
+                *parts_->get_or_make<ImageBounds>(key, [&] { return ImageBounds(image); }));
         }
     }
     return image_bounds_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Parts that scenes hand on: found by what they are made of, let go of once no scene uses them, and never taken
-// for others.
+// Parts that scenes hand on: found by what they are made of, let go of once no scene uses them, and never
+// taken for others.
 #include "base/part_cache.h"
 
 #include <gtest/gtest.h>
@@ -62,8 +62,8 @@ TEST(PartKey, TellsTextsAndArraysApart) {
 SceneSource some_scene() {
     SceneSource source;
     source.meshes = {ball_mesh(8, 16), ball_mesh(9, 18), box_mesh(Vec3f(-6), Vec3f(6), true)};
-    source.instances = {instance_of(0), instance_of(1, Vec3f(1), {2, 0, 0}), instance_of(1, Vec3f(1), {-2, 0, 0}),
-                        instance_of(2)};
+    source.instances = {instance_of(0), instance_of(1, Vec3f(1), {2, 0, 0}),
+                        instance_of(1, Vec3f(1), {-2, 0, 0}), instance_of(2)};
     return source;
 }
 
