@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-BALLS, ROWS, VOLUMES = 40, 250, 3
+BALLS, ROWS, VOLUMES, SAMPLES = 40, 250, 3, 4
 STAGES = ("blender", "export", "build", "first_tile")
 COLUMNS = (*STAGES, "total", "cpu")
 HEAD = "| hierarchy | change | Blender | export | build | first tile | total | CPU | peak, GB |"
@@ -151,6 +151,16 @@ def first_tile(session, scene):
     return {"build": built - begin, "first_tile": seconds, "cpu": cpu}
 
 
+def render_cpu(engine):
+    """Returns the processor's seconds of rendering a few samples: what the hierarchy's layout costs rays."""
+    settings = engine.scene.settings | {"samples": SAMPLES}
+    renderer = engine.session.build(dataclasses.replace(engine.scene, settings=settings))
+    renderer.start()
+    while not renderer.wait(1.0):
+        pass
+    return renderer.statistics()["render_cpu_seconds"]
+
+
 def edits(bpy):
     """Yields (what changes, function that changes it) for each kind of change."""
     data = bpy.data
@@ -220,6 +230,7 @@ def measure(bpy, hierarchy, rows, repeats):
             scene = dataclasses.replace(engine.scene, camera=camera)
             measured.append({"blender": 0.0, "export": 0.0} | first_tile(engine.session, scene))
         note("camera, in a viewport", measured)
+        print(f"\nRendering, {SAMPLES} samples a pixel: {render_cpu(engine):.2f} s of CPU", flush=True)
         engine.session = engine.scene = None
     bpy.context.scene.render.engine = "NEPHELE"
     bpy.utils.unregister_class(engine)

@@ -42,7 +42,9 @@ def _state(item):
 
 def _plain(value):
     """Returns a value that can be compared later."""
-    return value if isinstance(value, bool | int | float | str) else tuple(value)
+    if isinstance(value, bool | int | float | str):
+        return value
+    return frozenset(value) if isinstance(value, set) else tuple(value)
 
 
 def _names_of(cls):

@@ -45,7 +45,7 @@ class Device {
 
     /// Builds a hierarchy, one at a time. Returns the memory that Embree holds more of, bytes. Throws
     /// std::runtime_error naming the cause.
-    std::ptrdiff_t commit(RTCScene scene) {
+    std::ptrdiff_t commit(RTCScene scene) const {
         const std::lock_guard lock(building_);
         const std::ptrdiff_t before = memory_;
         rtcCommitScene(scene);
@@ -60,7 +60,7 @@ class Device {
   private:
     RTCDevice handle_;
     std::atomic<std::ptrdiff_t> memory_{0};
-    std::mutex building_;
+    mutable std::mutex building_;
 };
 
 /// A scene of Embree's, released in the end.

@@ -74,7 +74,7 @@ void pass(Query& query, Arguments& args) {
 }  // namespace
 
 struct Intersector::Impl {
-    std::shared_ptr<Device> device;
+    std::shared_ptr<const Device> device;
     SceneHandle top;
     std::vector<std::shared_ptr<const MeshHierarchy>> shared;
     std::deque<std::vector<float>> placed;        ///< world-space vertices of meshes used once
@@ -84,7 +84,7 @@ struct Intersector::Impl {
         flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
     std::ptrdiff_t bytes = 0;
 
-    explicit Impl(std::shared_ptr<Device> d) : device(std::move(d)), top(device->new_scene()) {}
+    explicit Impl(std::shared_ptr<const Device> d) : device(std::move(d)), top(device->new_scene()) {}
 
     /// A mesh used once that stands still: its vertices are placed in the world, which makes queries cheaper
     /// than an instance would.
@@ -127,11 +127,8 @@ struct Intersector::Impl {
 
 namespace {
 
-std::shared_ptr<Device> device_of(PartScope& parts) {
-    struct Held {
-        std::shared_ptr<Device> device = std::make_shared<Device>();
-    };
-    return parts.get_or_make<Held>(PartKey(), [] { return Held(); })->device;
+std::shared_ptr<const Device> device_of(PartScope& parts) {
+    return parts.share<Device>(PartKey(), [] { return std::make_shared<Device>(); });
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ RTCGeometry triangles(RTCDevice device, const Mesh& mesh, const Vertices& vertic
     return geometry;
 }
 
-MeshHierarchy::MeshHierarchy(std::shared_ptr<Device> device, const Mesh& mesh, std::optional<float> slack)
+MeshHierarchy::MeshHierarchy(std::shared_ptr<const Device> device, const Mesh& mesh,
+                             std::optional<float> slack)
     : device_(std::move(device)),
       positions_(mesh.positions),
       motion_(mesh.motion_positions),
@@ -63,7 +64,7 @@ MeshHierarchy::MeshHierarchy(std::shared_ptr<Device> device, const Mesh& mesh, s
 }
 
 std::shared_ptr<const MeshHierarchy> MeshHierarchy::shared(PartScope& parts,
-                                                           const std::shared_ptr<Device>& device,
+                                                           const std::shared_ptr<const Device>& device,
                                                            const Mesh& mesh, std::optional<float> slack) {
     PartKey key;
     key.add(device).add(mesh.positions).add(mesh.triangles).add(mesh.motion_positions).add(mesh.motion_steps);

@@ -18,7 +18,7 @@ RTCGeometry triangles(RTCDevice device, const Mesh& mesh, const Vertices& vertic
 class MeshHierarchy {
   public:
     /// slack: of boxes, in the mesh's own space; none: Embree's own test of faces. Throws std::runtime_error.
-    MeshHierarchy(std::shared_ptr<Device> device, const Mesh& mesh, std::optional<float> slack);
+    MeshHierarchy(std::shared_ptr<const Device> device, const Mesh& mesh, std::optional<float> slack);
 
     RTCScene scene() const { return scene_.get(); }
     /// Memory that Embree holds, bytes.
@@ -26,11 +26,11 @@ class MeshHierarchy {
 
     /// The one of this mesh that is there, or a new one.
     static std::shared_ptr<const MeshHierarchy> shared(PartScope& parts,
-                                                       const std::shared_ptr<Device>& device,
+                                                       const std::shared_ptr<const Device>& device,
                                                        const Mesh& mesh, std::optional<float> slack);
 
   private:
-    std::shared_ptr<Device> device_;
+    std::shared_ptr<const Device> device_;
     Buffer<float> positions_, motion_;
     Buffer<std::int32_t> indices_;
     OwnFaces own_;
