@@ -23,10 +23,12 @@ class BlendSource:
     the file.
     """
 
-    def __init__(self, path, resolution=None):
-        """resolution: (width, height) instead of the file's. Raises InputError naming the file and its
+    def __init__(self, path, resolution=None, several=False):
+        """resolution: (width, height) instead of the file's. several: more than one frame will be exported;
+        what does not change from one to the next is kept meanwhile. Raises InputError naming the file and its
         fault."""
         self.path = path
+        self._several = several
         self._undo = contextlib.ExitStack()  # what leaving has to take back
         try:
             with interrupts.deferred(), noise.hidden():
@@ -48,7 +50,7 @@ class BlendSource:
 
         register()
         self._undo.callback(unregister)
-        self._engine = engine_class(bpy)
+        self._engine = engine_class(bpy, keeps=self._several)
         bpy.utils.register_class(self._engine)
         self._undo.callback(bpy.utils.unregister_class, self._engine)
 
@@ -85,6 +87,10 @@ class BlendSource:
             raise InputError(
                 f"{self.path}: scene '{scene.name}' renders {size[0]}x{size[1]} pixels; raise its resolution"
             )
+        # For good: with another engine Blender would let go of the depsgraph that tells what changed.
+        kept = (render.engine, render.use_compositing, render.use_sequencer, render.use_persistent_data)
+        self._undo.callback(set_up, render, *kept)
+        set_up(render, EXPORT_ENGINE, False, False, self._several)
         self.open_seconds = time.perf_counter() - begin
 
     def export(self, frame=None):
@@ -96,9 +102,6 @@ class BlendSource:
         with noise.hidden():
             if frame is not None:
                 self._scene.frame_set(frame)
-            render = self._scene.render
-            kept = (render.engine, render.use_compositing, render.use_sequencer)
-            render.engine, render.use_compositing, render.use_sequencer = EXPORT_ENGINE, False, False
             self._engine.outcome.clear()
             try:
                 self._bpy.ops.render.render(scene=self._scene.name)
@@ -106,8 +109,6 @@ class BlendSource:
                 raise InputError(
                     f"{self.path}: Blender cannot render it: {' '.join(str(error).split())}"
                 ) from error
-            finally:
-                render.engine, render.use_compositing, render.use_sequencer = kept
             result = self._engine.outcome.get("result")
             if isinstance(result, InputError):
                 raise InputError(f"{self.path}: {result}") from result
@@ -155,6 +156,12 @@ class BlendSource:
         self.close()
 
 
+def set_up(render, engine, compositing, sequencer, persistent):
+    """Says how Blender renders."""
+    render.engine, render.use_compositing, render.use_sequencer = engine, compositing, sequencer
+    render.use_persistent_data = persistent
+
+
 def check_volumes(bpy, depsgraph):
     """Raises InputError for a volume object whose file Blender cannot read: without it the picture is
     another."""
@@ -172,25 +179,29 @@ def check_volumes(bpy, depsgraph):
             raise InputError(f"volume '{instance.object.name}': {path}: {' '.join(reason.split())}")
 
 
-def engine_class(bpy):
+def engine_class(bpy, *, keeps=False):
     """Returns a render engine whose render is an export: only engines are given the depsgraph of a final
     render.
 
-    Its `outcome["result"]` is the description.Scene, or what the exporter raised.
+    Its `outcome["result"]` is the description.Scene, or what the exporter raised. keeps: each export hands on
+    to the next what did not change.
     """
+    from .export import ExportCache, ExportError, export_scene
 
     class NepheleExportEngine(bpy.types.RenderEngine):
         bl_idname = EXPORT_ENGINE
         bl_label = "Nephele Export"
         bl_use_gpu_context = False
         outcome: ClassVar[dict] = {}
+        cache = None
 
         def render(self, depsgraph):
-            from .export import ExportError, export_scene
-
+            cache, self.cache = self.cache, None  # it must see each state of the depsgraph that Blender keeps
             try:
                 check_volumes(bpy, depsgraph)
-                self.outcome["result"] = export_scene(depsgraph, engine=self)
+                cache = cache if keeps and cache is not None else ExportCache()
+                self.outcome["result"] = export_scene(depsgraph, engine=self, cache=cache)
+                self.cache = cache
             except ExportError as error:
                 self.outcome["result"] = InputError(str(error))
             except BaseException as error:  # noqa: BLE001 - handed to the caller: Blender would print it and go on

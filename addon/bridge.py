@@ -34,10 +34,15 @@ def _broken(fault):
     )
 
 
-def create_renderer(scene):
-    """Returns a native Renderer of a description.Scene.
+def create_renderer(scene, parts=None):
+    """Returns a native Renderer of a description.Scene. parts: SceneParts of the scenes before it.
 
     Raises NativeModuleError, ValueError (the scene is at fault) or RuntimeError, each with a message for the
     user.
     """
-    return load_native().Renderer(scene)
+    return load_native().Renderer(scene, parts)
+
+
+def create_parts():
+    """Returns empty SceneParts for create_renderer(). Raises NativeModuleError."""
+    return load_native().SceneParts()

@@ -14,7 +14,7 @@ from . import archive, exr
 from .errors import InputError
 
 KIND = "Nephele checkpoint"
-VERSION = 3
+VERSION = 4
 FREE_SETTINGS = ("samples", "time_limit", "threads", "target_error")
 
 

@@ -8,6 +8,7 @@ object with one key: {"array": number}, {"tuple": [...]}, {"dict": {...}}; a dat
 
 import dataclasses
 import hashlib
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -70,12 +71,28 @@ def fingerprint(scene):
     bare = dataclasses.replace(scene, volumes=volumes, settings={}, film=description.Film(1, 1), warnings=())
     digest = hashlib.blake2b(repr(encoded(bare, numbered)).encode(), digest_size=16)
     for _, array in numbered.values():
-        digest.update(f"{array.dtype}{array.shape}".encode())
-        digest.update(np.ascontiguousarray(array).data)
+        digest.update(array_digest(array))
     for vdb in unique_vdbs(scene):
         for block in vdb_blocks(vdb):
             digest.update(block)
     return digest.hexdigest()
+
+
+def array_digest(array):
+    """Returns 16 bytes that stand for type, shape and content. Those of a large array that cannot change are
+    remembered for as long as it lives: the frames of an animation share such."""
+    known = _digests.get(id(array))
+    if known is not None:
+        return known
+    digest = hashlib.blake2b(f"{array.dtype}{array.shape}".encode(), digest_size=16)
+    digest.update(np.ascontiguousarray(array).data)
+    if array.nbytes >= BLOCK_BYTES >> 8 and not array.flags.writeable:
+        _digests[id(array)] = digest.digest()
+        weakref.finalize(array, _digests.pop, id(array), None)
+    return digest.digest()
+
+
+_digests = {}  # id of an array -> digest
 
 
 def unique_vdbs(scene):

@@ -12,9 +12,10 @@ import bpy
 import numpy as np
 
 from . import bridge
-from .export import ExportError, export_scene
+from .export import ExportError
 from .export.film import border, enabled_passes, resolution
 from .maps import FALSE_COLOURED
+from .session import Session
 
 POLL_SECONDS = 0.05  # between two looks at Escape
 STATUS_SECONDS = 0.2  # between two status texts
@@ -53,6 +54,7 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
     bl_use_eevee_viewport = True  # Material Preview is EEVEE's
     bl_use_shading_nodes_custom = False  # the shader nodes are Blender's own
+    _session = None  # with Persistent Data: of the render before
 
     def update_render_passes(self, scene=None, renderlayer=None):
         """Blender asks which passes there are."""
@@ -62,12 +64,14 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         """Blender asks for the picture of one view layer."""
         global last_render
+        # Until it has seen this depsgraph: what it missed, it would never learn of.
+        session, self._session = self._session, None
         # A result must be complete before anything can fail: Blender crashes on writing a file without one.
         self.end_result(self._begin_blank(depsgraph))
         record = RenderRecord(depsgraph.scene.frame_current, depsgraph.view_layer.name)
         last_render = record
         try:
-            self._render(depsgraph, record)
+            self._render(depsgraph, record, session or Session())
         except USER_FAULTS as fault:
             self._fail(record, str(fault))
         except KeyboardInterrupt:
@@ -101,16 +105,18 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             region = None
         return (region[2] - region[0], region[3] - region[1]) if region else (width, height)
 
-    def _render(self, depsgraph, record):
+    def _render(self, depsgraph, record, session):
         with _Timer(record, "export"):
             self.update_stats("", "Exporting scene")
-            scene = export_scene(depsgraph, engine=self)
+            scene = session.export(depsgraph, engine=self)
+            if depsgraph.scene.render.use_persistent_data:  # Blender keeps this engine and the depsgraph
+                self._session = session
         self._warn(record, scene.warnings)
         if self._cancelled_before_start(record):
             return
         with _Timer(record, "build"):
             self.update_stats("", "Building scene")
-            renderer = bridge.create_renderer(scene)
+            renderer = session.build(scene)
         self._warn(record, renderer.warnings)
         for row in enabled_passes(depsgraph.view_layer):
             if not row.view_layer:

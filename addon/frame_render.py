@@ -9,10 +9,11 @@ from .errors import InputError
 from .output import atomic
 
 
-def render_frame(request, source, frame, reporter, first):
+def render_frame(request, source, frame, reporter, first, parts=None):
     """Renders `frame` of `source` (see blend_source.py) as the Request asks and writes its files.
 
-    first: the frame's times count from the start of the process. Raises InputError, or KeyboardInterrupt once
+    first: the frame's times count from the start of the process. parts: SceneParts that frames hand on, see
+    bridge.py. Raises InputError, or KeyboardInterrupt once
     the checkpoint of a cancelled render is written.
     """
     begin = statistics.process_start() if first else time.perf_counter()
@@ -29,7 +30,7 @@ def render_frame(request, source, frame, reporter, first):
         # The fingerprint reads every VDB file again; beside the build and the render nobody waits for it.
         with ThreadPoolExecutor(1) as helper:
             fingerprint = helper.submit(description_file.fingerprint, scene)
-            FrameRender(request, source, frame, reporter, scene, seconds, begin, fingerprint).run()
+            FrameRender(request, source, frame, reporter, scene, seconds, begin, fingerprint).run(parts)
 
 
 class FrameRender:
@@ -42,7 +43,7 @@ class FrameRender:
         self.image_path = request.path("image", frame)
         self.checkpoint_path = checkpoint.path_for(self.image_path)
 
-    def run(self):
+    def run(self, parts):
         """Builds, renders and writes. See render_frame()."""
         state, notes = None, []
         if self.request.resume:
@@ -56,7 +57,7 @@ class FrameRender:
             else:
                 notes.append(f"{self.checkpoint_path} does not exist; starting at the first sample")
         stage = time.perf_counter()
-        renderer = rendering.build(self.scene)
+        renderer = rendering.build(self.scene, parts)
         if state is not None:
             try:
                 renderer.restore(state)

@@ -26,7 +26,10 @@ GROUPS = (  # (group of parameters, label, closed at first), in the order shown
 )
 
 # Blender's properties shown beside ours: group -> names in Scene.render.
-BLENDER_PROPERTIES = {"film": ("film_transparent",), "performance": ("threads_mode", "threads")}
+BLENDER_PROPERTIES = {
+    "film": ("film_transparent",),
+    "performance": ("threads_mode", "threads", "use_persistent_data"),
+}
 
 # Panels for every engine that would promise what we do not have, or that ours replace.
 EXCLUDED = {

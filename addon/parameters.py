@@ -82,6 +82,22 @@ PARAMETERS = (
         "threads", "int", 0, "Threads", "Render threads; 0 uses every core", 0, 1024, 64, group="performance"
     ),
     Parameter(
+        "hierarchy",
+        "enum",
+        "whole",
+        "Hierarchy",
+        "Over which triangles rays are traced, and what is built again where an object moves or changes",
+        items=(
+            ("whole", "Whole Scene", "One over all that stands still: the fastest rays"),
+            (
+                "by_mesh",
+                "By Mesh",
+                "One for each mesh: little is built again where an object moves or a mesh changes",
+            ),
+        ),
+        group="performance",
+    ),
+    Parameter(
         "time_limit",
         "float",
         0.0,

@@ -48,14 +48,14 @@ def native_module():
         raise InputError(str(error)) from error
 
 
-def build(scene):
-    """Returns a native renderer of a description.Scene. Raises InputError where the scene or a file is at
-    fault."""
+def build(scene, parts=None):
+    """Returns a native renderer of a description.Scene. parts: see bridge.py. Raises InputError where the
+    scene or a file is at fault."""
     from .bridge import create_renderer
 
     with noise.hidden():
         try:
-            return interruptible(create_renderer, scene)
+            return interruptible(create_renderer, scene, parts)
         except ValueError as error:
             raise InputError(" ".join(str(error).split())) from error
 

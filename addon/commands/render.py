@@ -3,7 +3,7 @@
 
 import contextlib
 
-from .. import frame_render, interrupts, render_request
+from .. import frame_render, interrupts, render_request, rendering
 from ..progress import Reporter
 
 
@@ -61,17 +61,22 @@ def run(arguments):
     request = render_request.from_arguments(arguments)
     reporter = Reporter(request.quiet)
     with opened(request) as source:
+        parts = rendering.native_module().SceneParts() if len(request.frames) > 1 else None
         for number, frame in enumerate(request.frames):
-            frame_render.render_frame(request, source, frame, reporter, first=number == 0)
+            frame_render.render_frame(request, source, frame, reporter, first=number == 0, parts=parts)
     return 0
 
 
 @contextlib.contextmanager
 def opened(request):
     """Yields the request's BlendSource or DescriptionSource."""
-    if request.is_description:
-        from ..description_source import DescriptionSource as Source
-    else:
-        from ..blend_source import BlendSource as Source
-    with interrupts.raised(), Source(request.scene, request.resolution) as source:
-        yield source
+    with interrupts.raised(), contextlib.ExitStack() as stack:
+        if request.is_description:
+            from ..description_source import DescriptionSource
+
+            source = DescriptionSource(request.scene, request.resolution)
+        else:
+            from ..blend_source import BlendSource
+
+            source = BlendSource(request.scene, request.resolution, several=len(request.frames) > 1)
+        yield stack.enter_context(source)

@@ -5,6 +5,7 @@ module."""
 import bpy
 
 from .. import description
+from .cache import ExportCache
 from .camera import export_camera
 from .context import Context, ExportError
 from .film import export_film, export_settings
@@ -12,17 +13,22 @@ from .motion import shutter
 from .nodes import compile_world
 from .objects import Objects
 
-__all__ = ["ExportError", "export_scene"]
+__all__ = ["ExportCache", "ExportError", "export_scene"]
 
 
-def export_scene(depsgraph, *, engine=None):
+def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
     """Returns the description.Scene of an evaluated depsgraph at its frame.
 
     engine: the RenderEngine that renders it: it knows of an overridden camera and evaluates other moments for
-    motion blur; without one, objects and the camera stand still. Raises ExportError, its
+    motion blur; without one, objects and the camera stand still. cache: ExportCache of the exports of this
+    scene before it: what is as it was is the same object again. The updates of `depsgraph` are believed where
+    there is an engine, which must have handed each of its depsgraphs to an export with this cache, or use
+    another cache from then on. motion: False for no motion blur, as in viewports. Raises ExportError, its
     message naming what is at fault and the remedy. What is left out is named in the result's `warnings`.
     """
-    context = Context(depsgraph)
+    cache = ExportCache() if cache is None else cache
+    cache.begin(depsgraph, engine, motion)
+    context = Context(depsgraph, cache)
     film = export_film(context)
     camera = export_camera(context, engine, film.width, film.height)
     settings = export_settings(context)
@@ -42,11 +48,12 @@ def export_scene(depsgraph, *, engine=None):
         lights=tuple(objects.lights),
         world=world,
         warnings=tuple(context.warnings),
-        shutter=shutter(context.scene.render),
+        shutter=shutter(context.scene.render) if motion else (0.0, 0.0),
     )
-    if engine is None or scene.shutter[0] == scene.shutter[1]:
-        return scene
-    return objects.tracks.export(engine, scene)
+    if engine is not None and motion and scene.shutter[0] != scene.shutter[1]:
+        scene = objects.tracks.export(engine, scene)
+    cache.end(depsgraph, objects.arrays_by_name)
+    return scene
 
 
 def _check_scene(context):

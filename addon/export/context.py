@@ -1,20 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What one export shares: warnings, images, materials, and the numbers of UV maps and attributes."""
 
+import contextlib
+import dataclasses
+
 from .. import description
-from .images import read_image
-from .nodes import compile_material
+from .cache import ExportCache
+from .images import kept_image
+from .materials import kept_material
 
 
 class ExportError(ValueError):
     """The scene cannot be rendered; the message names what is at fault and the remedy."""
 
 
-class Context:
-    """State of one export. depsgraph: Blender's, evaluated. warnings: in order of appearance, each once."""
+@dataclasses.dataclass
+class Record:
+    """What was asked of a Context. asked: (kind, name, number) of UV maps and attributes. notes: warnings.
+    images: whether for one."""
 
-    def __init__(self, depsgraph):
+    asked: list = dataclasses.field(default_factory=list)
+    notes: list = dataclasses.field(default_factory=list)
+    images: bool = False
+
+
+def _number(numbers, name):
+    """Returns the number of a name, the next one where it has none."""
+    return numbers.setdefault(name, len(numbers))
+
+
+class Context:
+    """State of one export. depsgraph: Blender's, evaluated. cache: ExportCache of the exports before it.
+    block: the material or world that is being compiled. warnings: in order of appearance, each once."""
+
+    def __init__(self, depsgraph, cache=None):
         self.depsgraph = depsgraph
+        self.cache = cache or ExportCache()
+        self.block = None
+        self._record = Record()
         self.scene = depsgraph.scene_eval
         self.view_layer = depsgraph.view_layer_eval
         self.warnings = []
@@ -27,21 +50,44 @@ class Context:
 
     def warn(self, text):
         """Adds a warning unless it was given before."""
+        self._record.notes.append(text)
         if text not in self.warnings:
             self.warnings.append(text)
 
+    @contextlib.contextmanager
+    def recording(self):
+        """Yields the Record of what is asked of the context inside the with statement."""
+        self._record = Record()
+        yield self._record
+        self._record = Record()
+
+    def ask_again(self, asked):
+        """Asks for what a Record says was asked for; returns whether the same numbers are given. If not, none
+        is."""
+        uvs, attributes = dict(self._uv_numbers), dict(self._attribute_numbers)
+        kinds = {"uv": uvs, "attribute": attributes}
+        if any(_number(kinds[kind], name) != number for kind, name, number in asked):
+            return False
+        self._uv_numbers, self._attribute_numbers = uvs, attributes
+        return True
+
     def uv_number(self, name):
-        return self._uv_numbers.setdefault(name, len(self._uv_numbers))
+        number = _number(self._uv_numbers, name)
+        self._record.asked.append(("uv", name, number))
+        return number
 
     def attribute_number(self, name):
-        return self._attribute_numbers.setdefault(name, len(self._attribute_numbers))
+        number = _number(self._attribute_numbers, name)
+        self._record.asked.append(("attribute", name, number))
+        return number
 
     def image_number(self, image, user):
         """Returns the number of Blender's `image`; a magenta one, with a warning naming `user`, if it cannot
         be read."""
+        self._record.images = True
         if image.name_full not in self._image_numbers:
             self._image_numbers[image.name_full] = len(self.images)
-            self.images.append(read_image(image, user, self.warn))
+            self.images.append(kept_image(image, user, self))
         return self._image_numbers[image.name_full]
 
     def material_number(self, material, grids=None):
@@ -54,7 +100,7 @@ class Context:
             return (-1 if grids is None else self._default_volume()), {}, {}
         key = (material.name_full, grids)
         if key not in self._known_materials:
-            compiled, uvs, attributes = compile_material(material, self, grids)
+            compiled, uvs, attributes = kept_material(material, self, grids)
             self._known_materials[key] = (len(self.materials), uvs, attributes)
             self.materials.append(compiled)
         return self._known_materials[key]

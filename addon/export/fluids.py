@@ -62,7 +62,7 @@ def export_fluid(context, instance, settings, material, visibility):
     file = (
         str(path.resolve())
         if noise is None
-        else _with_noise(item, path, noise, file_voxel, settings.noise_scale)
+        else _with_noise(context.cache, item, path, noise, file_voxel, settings.noise_scale)
     )
     size = cells.size * _scale(item) / voxel * file_voxel
     return description.Volume(
@@ -110,10 +110,14 @@ def object_from_cache(cells, scale):
     return translation(cells.low) @ scaling(1 / scale) @ translation((cells.first + 0.5) * voxel) @ in_cells
 
 
-def _with_noise(item, base, noise, voxel, noise_scale):
-    """Returns the path of a new temporary VDB file: the grids of file `noise` under the names that shaders
-    know, and those of file `base` (velocity, temperature, ...) that the noise does not refine."""
+def _with_noise(cache, item, base, noise, voxel, noise_scale):
+    """Returns the path of a temporary VDB file: the grids of file `noise` under the names that shaders know,
+    and those of file `base` (velocity, temperature, ...) that the noise does not refine. It is that of the
+    last export while both files are the same."""
     openvdb = vdb_info.module()
+    key = (*(state for file in (base, noise) for state in _state(file)), voxel, noise_scale)
+    if (known := cache.files.get(key)) is not None:
+        return cache.files.put(key, known)
     path = temporary_vdb()
     try:
         fine, _ = openvdb.readAll(str(noise))
@@ -130,4 +134,10 @@ def _with_noise(item, base, noise, voxel, noise_scale):
             f"fluid domain '{item.name}': {base} and {noise} cannot be brought together "
             f"({' '.join(str(error).split())}); bake the fluid again, or disable its noise"
         ) from error
-    return path
+    return cache.files.put(key, path)
+
+
+def _state(file):
+    """Returns what changes with the content of a file."""
+    state = file.stat()
+    return str(file), state.st_mtime_ns, state.st_size, state.st_ino

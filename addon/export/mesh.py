@@ -2,7 +2,8 @@
 """Meshes: Blender's evaluated meshes to description.Mesh, by bulk reads only.
 
 A mesh shared by many instances is read once. Its UV maps and attributes are read when the first material that
-uses them appears, and numbered for the whole scene (programs are shared between meshes).
+uses them appears, and numbered for the whole scene (programs are shared between meshes). What did not change
+since the last export is not read again, or found to be the same and then the same arrays.
 """
 
 import numpy as np
@@ -30,47 +31,106 @@ def read(collection, name, components, dtype=np.float32):
     return result.reshape(-1, components) if components > 1 else result
 
 
-class MeshRecord:
-    """One mesh while it is exported. mesh: Blender's, evaluated; it must stay alive until the last
-    `require`."""
+class MeshArrays:
+    """What was read of a mesh; knows nothing of Blender, and is kept from one export to the next. Arrays as
+    in description.Mesh, but UV maps and attributes by name."""
 
-    def __init__(self, name, mesh):
+    def __init__(self):
+        self.positions = self.triangles = self.corner_normals = self.material_index = None
+        self.corner_count = 0
+        self.uvs, self.attributes = {}, {}
+        self.motion = self.motion_normals = None
+        self._blank = {}
+
+    def take(self, name, values, before):
+        """Sets array `name`: to that of `before` (MeshArrays or None) where it holds the same."""
+        setattr(self, name, same_or(values, getattr(before, name, None)))
+
+    def shapes(self):
+        """Returns (motion, motion_normals)."""
+        return self.motion, self.motion_normals
+
+    def blank(self, components):
+        """Returns zeros, (T, 3, components): a layer that the mesh lacks."""
+        if components not in self._blank:
+            self._blank[components] = frozen(np.zeros((*self.triangles.shape, components), np.float32))
+        return self._blank[components]
+
+
+def frozen(array):
+    """Returns `array` made read-only: what is built of it counts on that."""
+    if array is not None:
+        array.flags.writeable = False
+    return array
+
+
+def same_or(new, old):
+    """Returns `old` where it is bit for bit the same as `new`, else `new`, read-only."""
+    if new is None or old is None or new.shape != old.shape or new.dtype != old.dtype:
+        return frozen(new)
+    equal = np.array_equal(*(np.ascontiguousarray(a).reshape(-1).view(np.uint8) for a in (new, old)))
+    return old if equal else frozen(new)
+
+
+class MeshRecord:
+    """One mesh while it is exported. mesh: Blender's, evaluated; it must stay alive until `finish`.
+
+    known: MeshArrays that hold what is in it now; None: they are read. before: MeshArrays of the last export,
+    whose arrays are taken over where they hold the same."""
+
+    def __init__(self, name, mesh, known=None, before=None):
         self.name = name
         self._mesh = mesh
-        self._uvs = {}  # number -> (T, 3, 2)
-        self._attributes = {}  # number -> (T, 3, 4)
-        mesh.calc_loop_triangles()
-        self._corners = read(mesh.loop_triangles, "loops", 3, np.int32)
-        self._polygons = None
-        self.positions = read(mesh.attributes["position"].data, "vector", 3)
-        self._corner_count = len(mesh.loops)
+        self._uvs = {}  # number -> layer's name, None where the mesh has none
+        self._attributes = {}
+        self._corner_list = self._polygons = None
+        self._before = known or before
+        self._motion_before = (None, None) if self._before is None else self._before.shapes()
+        self.arrays = known or self._read(before)
+
+    def _read(self, before):
+        mesh, arrays = self._mesh, MeshArrays()
+        arrays.take("positions", read(mesh.attributes["position"].data, "vector", 3), before)
+        arrays.corner_count = len(mesh.loops)
         corner_vertices = read(mesh.attributes[".corner_vert"].data, "value", 1, np.int32)
-        self.triangles = corner_vertices[self._corners]
-        self.corner_normals = self._normals(mesh)
-        self.material_index = self._face_values("material_index")
+        triangles = corner_vertices[self.corners]
+        arrays.take("triangles", triangles, before)
+        arrays.take("corner_normals", self._normals(mesh, triangles), before)
+        arrays.take("material_index", self._face_values("material_index"), before)
+        return arrays
+
+    @property
+    def corners(self):
+        """(T, 3) corners of each triangle; read only where something needs them."""
+        if self._corner_list is None:
+            self._mesh.calc_loop_triangles()
+            self._corner_list = read(self._mesh.loop_triangles, "loops", 3, np.int32)
+        return self._corner_list
 
     @property
     def _polygon_index(self):
         """(T,) polygon of each triangle; read only where something needs it."""
         if self._polygons is None:
+            self._mesh.calc_loop_triangles()
             self._polygons = read(self._mesh.loop_triangles, "polygon_index", 1, np.int32)
         return self._polygons
 
-    def _normals(self, mesh):
+    def _normals(self, mesh, triangles):
         """Returns (T, 3, 3) corner normals of `mesh`, or None where it is flat."""
         domain = mesh.normals_domain
         if domain == "FACE":
             return None
         if domain == "POINT":
-            return read(mesh.vertex_normals, "vector", 3)[self.triangles]
-        return read(mesh.corner_normals, "vector", 3)[self._corners]
+            return read(mesh.vertex_normals, "vector", 3)[triangles]
+        return read(mesh.corner_normals, "vector", 3)[self.corners]
 
     def shape_of(self, mesh):
         """Returns (positions, corner normals or None) of `mesh`, this one's at another time; None where it
-        has another number of vertices or corners."""
-        if len(mesh.vertices) != len(self.positions) or len(mesh.loops) != self._corner_count:
+        has another number of vertices or corners. `corners` must have been asked for before."""
+        arrays = self.arrays
+        if len(mesh.vertices) != len(arrays.positions) or len(mesh.loops) != arrays.corner_count:
             return None
-        normals = self._normals(mesh) if self.corner_normals is not None else None
+        normals = self._normals(mesh, arrays.triangles) if arrays.corner_normals is not None else None
         return read(mesh.attributes["position"].data, "vector", 3), normals
 
     def _face_values(self, name):
@@ -86,13 +146,21 @@ class MeshRecord:
         for name, number in uvs.items():
             if number not in self._uvs:
                 layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
-                if layer is not None:
-                    self._uvs[number] = read(layer.uv, "vector", 2)[self._corners]
+                self._uvs[number] = self._layer("uvs", layer, self._read_uv)
         for name, number in attributes.items():
             if number not in self._attributes:
-                attribute = self._mesh.attributes.get(name) if name else self._active_color()
-                if attribute is not None:
-                    self._attributes[number] = self._read_attribute(attribute)
+                layer = self._mesh.attributes.get(name) if name else self._active_color()
+                self._attributes[number] = self._layer("attributes", layer, self._read_attribute)
+
+    def _layer(self, kind, layer, read_layer):
+        """Returns the name of a layer, once it is among the arrays; None of None."""
+        if layer is None:
+            return None
+        layers = getattr(self.arrays, kind)
+        if layer.name not in layers:
+            before = getattr(self._before, kind).get(layer.name) if self._before else None
+            layers[layer.name] = same_or(read_layer(layer), before)
+        return layer.name
 
     def _active_uv(self):
         """Returns the UV map marked for rendering, or None."""
@@ -104,45 +172,63 @@ class MeshRecord:
         index = colors.render_color_index
         return colors[index] if 0 <= index < len(colors) else None
 
+    def _read_uv(self, layer):
+        return read(layer.uv, "vector", 2)[self.corners]
+
     def _read_attribute(self, attribute):
         """Returns (T, 3, 4) float32: numbers repeated over RGB, vectors padded with 0, alpha 1 where
         absent."""
+        shape = self.arrays.triangles.shape
         if attribute.data_type not in ATTRIBUTE_READERS:
-            return np.zeros((*self.triangles.shape, 4), np.float32)
+            return np.zeros((*shape, 4), np.float32)
         name, components, dtype = ATTRIBUTE_READERS[attribute.data_type]
         values = read(attribute.data, name, components, dtype).astype(np.float32).reshape(-1, components)
         padded = np.zeros((len(values), 4), np.float32)
         padded[:, 3] = 1.0
         padded[:, : 3 if components == 1 else components] = values
-        places = {"POINT": self.triangles, "CORNER": self._corners, "FACE": None}.get(attribute.domain)
-        if places is None:
-            if attribute.domain != "FACE":
-                return np.zeros((*self.triangles.shape, 4), np.float32)
+        if attribute.domain == "POINT":
+            return padded[self.arrays.triangles]
+        if attribute.domain == "CORNER":
+            return padded[self.corners]
+        if attribute.domain == "FACE":
             return np.repeat(padded[self._polygon_index][:, None], 3, axis=1)
-        return padded[places]
+        return np.zeros((*shape, 4), np.float32)
 
     def finish(self):
-        """Returns the description.Mesh."""
+        """Returns the description.Mesh; its arrays are what `arrays` holds from now on."""
+        arrays = self.arrays
+        for layers, used in ((arrays.uvs, self._uvs), (arrays.attributes, self._attributes)):
+            for name in layers.keys() - set(used.values()):
+                del layers[name]
+        arrays.motion = arrays.motion_normals = None
         low, size = _generated_box(self._mesh)
         return description.Mesh(
             name=self.name,
-            positions=self.positions,
-            triangles=self.triangles,
-            corner_normals=self.corner_normals,
-            uvs=_numbered(self._uvs, (*self.triangles.shape, 2)),
-            attributes=_numbered(self._attributes, (*self.triangles.shape, 4)),
-            material_index=self.material_index,
+            positions=arrays.positions,
+            triangles=arrays.triangles,
+            corner_normals=arrays.corner_normals,
+            uvs=self._numbered(self._uvs, arrays.uvs, 2),
+            attributes=self._numbered(self._attributes, arrays.attributes, 4),
+            material_index=arrays.material_index,
             generated_min=low,
             generated_size=size,
         )
 
+    def moving(self, *shapes):
+        """Returns the arrays of motion, given anew, as they are kept. After `finish`."""
+        kept = [same_or(new, old) for new, old in zip(shapes, self._motion_before, strict=True)]
+        self.arrays.motion, self.arrays.motion_normals = kept
+        return kept
 
-def _numbered(layers, shape):
-    """Returns the layers as a tuple by number; zeros where the mesh lacks one."""
-    if not layers:
-        return ()
-    absent = np.zeros(shape, np.float32) if len(layers) <= max(layers) else None
-    return tuple(layers.get(number, absent) for number in range(max(layers) + 1))
+    def _numbered(self, names, layers, components):
+        """Returns layers as a tuple by number, up to the last that the mesh has; zeros where it lacks one."""
+        found = {number: layers[name] for number, name in names.items() if name is not None}
+        if not found:
+            return ()
+        return tuple(
+            found[number] if number in found else self.arrays.blank(components)
+            for number in range(max(found) + 1)
+        )
 
 
 def _generated_box(mesh):

@@ -53,6 +53,7 @@ class Tracks:
     def __init__(self, context):
         self._context = context
         self._tracks = {}  # identity -> Track, None where several instances have the same
+        self._records = {}  # mesh number -> MeshRecord, of those that may change their shape
         self._shapes = {}  # mesh number -> lists of positions and normals by step, None where it cannot be
 
     def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None):
@@ -63,7 +64,8 @@ class Tracks:
         item = instance.object
         track = Track(kind, number, item.name, step_exponent(item), mesh=mesh)
         if record is not None and _deforms(instance, self._context.scene):
-            track.record = record
+            track.record = self._records[mesh] = record
+            record.corners  # noqa: B018 - read while the mesh is there, for shape_of()
         if world_from_data is not None:
             track.object_from_data = np.linalg.pinv(matrix4(instance.matrix_world)) @ world_from_data
         key = identity(instance)
@@ -85,6 +87,7 @@ class Tracks:
                 self._read_step(step, steps)
         finally:
             engine.frame_set(frame, subframe)
+            self._context.cache.history.doubt(self._context.depsgraph)
         return self._applied(scene, camera, steps)
 
     def _read_step(self, step, steps):
@@ -131,9 +134,8 @@ class Tracks:
         for number, shape in self._shapes.items():
             if shape is not None and _differ(shape[0]):
                 normals = None if any(n is None for n in shape[1]) else np.stack(shape[1])
-                meshes[number] = dataclasses.replace(
-                    meshes[number], motion=np.stack(shape[0]), motion_normals=normals
-                )
+                motion, normals = self._records[number].moving(np.stack(shape[0]), normals)
+                meshes[number] = dataclasses.replace(meshes[number], motion=motion, motion_normals=normals)
         return dataclasses.replace(
             scene,
             instances=tuple(placed["instance"]),

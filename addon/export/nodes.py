@@ -42,7 +42,7 @@ def compile_material(material, context, grids=None):
     material: Blender's, with or without nodes. grids: volume_grids.Grids of the volume that it is for, where
     only its volume shader counts; None for meshes.
     """
-    owner = f"material '{material.name}'"
+    context.block, owner = material, f"material '{material.name}'"
     compiler = Compiler(owner, "material", context, HANDLERS, material.pass_index)
     if not uses_nodes(material):
         compiler.builder.closure(
@@ -71,7 +71,7 @@ def compile_world(world, context):
     """Returns the description.World of Blender's world (None: black)."""
     if world is None:
         return description.World()
-    owner = f"world '{world.name}'"
+    context.block, owner = world, f"world '{world.name}'"
     compiler = Compiler(owner, "world", context, HANDLERS)
     if not uses_nodes(world):
         compiler.builder.closure("emission", ONE, (constant(tuple(world.color)), ONE))

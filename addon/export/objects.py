@@ -4,6 +4,7 @@
 from .. import description
 from .fluids import export_fluid, fluid_domain
 from .hash import random_number
+from .history import uid
 from .lights import export_light
 from .mesh import MeshRecord
 from .moving import Tracks
@@ -31,7 +32,7 @@ VISIBILITY = {  # property of objects -> bit of opcodes.RAY_KINDS
 
 class Objects:
     """Everything that stands in the scene. meshes, instances, lights, volumes: of the description, once
-    `walk` ran."""
+    `walk` ran. arrays_by_name: for ExportCache.end()."""
 
     def __init__(self, context):
         self._context = context
@@ -40,6 +41,8 @@ class Objects:
         self._converted = set()  # objects whose mesh Blender lists by itself
         self._checked = set()  # objects already searched for unsupported features
         self.meshes, self.instances, self.lights, self.volumes = (), [], [], []
+        self._names = {}  # (uid of an object, name of its mesh) -> key of its data
+        self.arrays_by_name = {}
         self.tracks = Tracks(context)
 
     def walk(self):
@@ -55,8 +58,11 @@ class Objects:
         for instance in instances:
             if instance.show_self and not instance.object.hide_render:
                 self._add(instance)
-        found = [entry for entry in self._records.values() if entry is not None]
-        self.meshes = tuple(record.finish() for _, record in found)
+        found = {key: entry[1] for key, entry in self._records.items() if entry is not None}
+        self.meshes = tuple(record.finish() for record in found.values())
+        for key, record in found.items():
+            self._context.cache.meshes.put(key, record.arrays)
+        self.arrays_by_name = {name: found[key].arrays for name, key in self._names.items() if key in found}
         for item in self._made:
             item.to_mesh_clear()
 
@@ -96,9 +102,11 @@ class Objects:
             self.volumes.append(volume)
 
     def _add_mesh(self, instance, source, visibility):
-        key = self._key(instance)
+        key, item = self._key(instance), source or instance.object
+        self._names[uid(item), item.data.name] = key
+        self._context.cache.history.see(item)
         if key not in self._records:
-            self._records[key] = self._read(source or instance.object)
+            self._records[key] = self._read(key, item, own=source is not None)
         if self._records[key] is None:
             return
         number, record = self._records[key]
@@ -130,17 +138,23 @@ class Objects:
         data = item.data.as_pointer()
         return data if item.type == "MESH" else (data, item.original.as_pointer())
 
-    def _read(self, item):
-        """Returns (number, MeshRecord) of the object's geometry, or None where it has no faces."""
+    def _read(self, key, item, *, own):
+        """Returns (number, MeshRecord) of the object's geometry, or None where it has no faces. own: the data
+        are the object's, see History."""
+        cache, name = self._context.cache, item.data.name
+        same = cache.history.same_data(item, own=own)
         if item.type == "MESH" and not item.data.is_editmode:
             mesh = item.data
         else:
             mesh = item.to_mesh()
             self._made.append(item)
+            same &= item.type != "MESH" and item.type != "META"  # others show in the mesh of one of them
         if mesh is None or len(mesh.polygons) == 0:
             return None
         number = sum(1 for entry in self._records.values() if entry is not None)
-        return number, MeshRecord(item.data.name, mesh)
+        known = cache.meshes.get(key) if same else None
+        before = known or cache.mesh_before(key, (uid(item), name))
+        return number, MeshRecord(name, mesh, known, before)
 
     def _source(self, instance):
         """Returns the object whose own data the instance shows, or None where Geometry Nodes made the

@@ -36,7 +36,11 @@ def export_volume(context, instance, source, material, visibility):
         reason = data.grids.error_message or "it holds no grid"
         raise ExportError(f"volume '{name}': {path} cannot be read ({reason}); check its path and the frame")
     saved = changed or not data.filepath
-    path = _saved(name, data) if saved else str(Path(bpy.path.abspath(data.grids.frame_filepath)).resolve())
+    if saved:
+        item = source or instance.object
+        path = context.cache.file(item, own=source is not None, make=lambda: _saved(name, data))
+    else:
+        path = str(Path(bpy.path.abspath(data.grids.frame_filepath)).resolve())
     world_from_object = matrix4(instance.matrix_world)
     low, high = bounds(instance.object)
     velocity = velocity_grids(data) if is_blurred(context, instance) else ()

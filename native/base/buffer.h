@@ -27,6 +27,8 @@ class Buffer {
     bool empty() const { return size_ == 0; }
     const T* begin() const { return data_; }
     const T* end() const { return data_ + size_; }
+    /// What keeps the memory.
+    const std::shared_ptr<const void>& owner() const { return owner_; }
 
   private:
     const T* data_ = nullptr;

@@ -163,12 +163,13 @@ CameraDescription camera(nb::handle c) {
 /// camera is near its origin. Returns what became the origin.
 std::array<double, 3> move_origin(CameraDescription& camera) {
     constexpr double kFar = 4096;
+    constexpr double kCell = 1024;  // as the camera moves about in one, nothing else does
     std::array<double, 3> origin{};
     double* m = camera.world_from_camera;
     if (std::max({std::fabs(m[3]), std::fabs(m[7]), std::fabs(m[11])}) < kFar)
         return origin;
     for (std::size_t a = 0; a < 3; ++a) {
-        origin[a] = std::round(m[4 * a + 3]);
+        origin[a] = kCell * std::round(m[4 * a + 3] / kCell);
         m[4 * a + 3] -= origin[a];
     }
     return origin;

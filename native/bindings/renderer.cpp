@@ -2,6 +2,7 @@
 // The class `Renderer`: one scene, one render. Python polls, cancels and reads; all work runs without the
 // GIL.
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -92,12 +93,13 @@ nb::list uses(const Techniques& techniques) {
 
 class Renderer {
   public:
-    explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
+    Renderer(nb::handle description, PartCache* parts)
+        : settings_(settings_of(description.attr("settings"))) {
         SceneSource source = scene_source_of(description);
         FilmSource film = film_source_of(description.attr("film"));
         const nb::gil_scoped_release release;
         const auto begin = std::chrono::steady_clock::now();
-        scene_ = std::make_shared<const Scene>(std::move(source), settings_);
+        scene_ = std::make_shared<const Scene>(std::move(source), settings_, parts);
         render_ = std::make_unique<Render>(scene_, settings_, std::move(film));
         build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
@@ -206,11 +208,27 @@ void bind_renderer(nb::module_& m) {
         },
         nb::arg("scene"),
         "dict: what the scene needs of the renderer, what it leaves out, warnings. Raises as Renderer does.");
+    nb::class_<PartCache>(
+        m, "SceneParts",
+        "Built parts of the last scene that was made with it. Parts of the next whose arrays are the same "
+        "objects, and whose numbers are equal, are taken from here. Arrays must not change.")
+        .def(nb::init<>())
+        .def_prop_ro("size", &PartCache::size, "Number of parts.")
+        .def("clear", &PartCache::clear, "Lets go of all parts.")
+        .def(
+            "counts",
+            [](const PartCache& parts) {
+                const PartCache::Statistics s = parts.statistics();
+                return std::pair(s.hits, s.misses);
+            },
+            "(parts found, parts made) so far.");
     nb::class_<Renderer>(
         m, "Renderer",
         "A scene being rendered. Built from a description.Scene, whose arrays it keeps and shares.")
-        .def(nb::init<nb::handle>(), nb::arg("scene"),
-             "Builds the scene. Raises ValueError or RuntimeError naming the object or file at fault.")
+        .def(
+            nb::init<nb::handle, PartCache*>(), nb::arg("scene"), nb::arg("parts").none() = nb::none(),
+            "Builds the scene. parts: SceneParts of earlier scenes. Raises ValueError or RuntimeError naming "
+            "the object or file at fault.")
         .def("start", &Renderer::start, "Starts rendering on native threads and returns at once.")
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")

@@ -69,11 +69,11 @@ void Film::keep(PassId pass) {
 }
 
 void Film::allocate(PassId pass, int channels) {
-    sums_[at(pass)].assign(counts_.size() * static_cast<std::size_t>(channels), 0.0);
+    sums_[at(pass)].resize(counts_.size() * static_cast<std::size_t>(channels));
 }
 
 void Film::add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight) {
-    std::vector<double>& sums = sums_[at(pass)];
+    ZeroedVector<double>& sums = sums_[at(pass)];
     if (sums.empty())
         return;
     double* out = sums.data() + pixel * static_cast<std::size_t>(channels);
@@ -150,7 +150,7 @@ double Film::relative_error() const {
         throw std::logic_error("this film keeps nothing to tell its error by");
     constexpr double kEpsilon = 0.01;
     const auto stride = static_cast<std::size_t>(kPasses[at(PassId::combined)].channels);
-    const std::vector<double>& sums = sums_of(PassId::combined);
+    const ZeroedVector<double>& sums = sums_of(PassId::combined);
     double error = 0, known = 0;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         if ((taken_.empty() ? counts_[i] : taken_[i]) < 2)
@@ -177,7 +177,7 @@ std::vector<float> Film::read(PassId pass) const {
     if (is_variance(pass))
         return variance(pass);
     const auto channels = static_cast<std::size_t>(info.channels);
-    const std::vector<double>& sums = sums_of(pass);
+    const ZeroedVector<double>& sums = sums_of(pass);
     std::vector<float> out(sums.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         const double n = first_sample_only(pass) ? std::min<std::uint32_t>(counts_[i], 1) : counts_[i];
@@ -197,7 +197,7 @@ std::map<std::string, std::vector<double>> Film::save() const {
     }
     for (int p = 0; p < kPassCount; ++p) {
         if (!sums_[p].empty())
-            saved[kPasses[p].identifier] = sums_[p];
+            saved[kPasses[p].identifier].assign(sums_[p].begin(), sums_[p].end());
     }
     return saved;
 }
@@ -222,8 +222,10 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
         squared_weights_ = saved.at("squared_weights");
     }
     for (int p = 0; p < kPassCount; ++p) {
-        if (!sums_[p].empty())
-            sums_[p] = saved.at(kPasses[p].identifier);
+        if (sums_[p].empty())
+            continue;
+        const std::vector<double>& values = saved.at(kPasses[p].identifier);
+        std::copy(values.begin(), values.end(), sums_[p].begin());
     }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/vsp_record.h"
+#include "base/zeroed.h"
 #include "math/vec.h"
 #include "passes_table.h"
 
@@ -74,7 +75,7 @@ class Film {
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    const std::vector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
+    const ZeroedVector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
     void keep(PassId pass);
     void allocate(PassId pass, int channels);
     void add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight);
@@ -90,7 +91,7 @@ class Film {
     // Where samples may stand for several: how many there are, and the sum of their squared weights.
     std::vector<std::uint32_t> taken_;
     std::vector<double> squared_weights_;
-    std::vector<double> sums_[kPassCount];  ///< channels of kPasses; variances: sums of squares, RGB
+    ZeroedVector<double> sums_[kPassCount];  ///< channels of kPasses; variances: sums of squares, RGB
 };
 
 }  // namespace nephele

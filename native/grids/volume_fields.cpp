@@ -60,4 +60,26 @@ std::array<Bounds, 3> VolumeFields::range(std::int32_t number, Vec3f lo_world, V
     return fields_[i].range(lo_world, hi_world);
 }
 
+void VolumeField::add_to(PartKey& key) const {
+    for (std::size_t c = 0; c < 3; ++c)
+        key.add(components[c]).add(bounds[c]);
+    key.add(filter).add(index_from_world);
+}
+
+void VolumeMotion::add_to(PartKey& key) const {
+    key.add(velocity.size());
+    for (const VolumeField& field : velocity)
+        field.add_to(key);
+    key.add(world_from_velocity).add(open).add(close);
+}
+
+void VolumeFields::add_to(PartKey& key) const {
+    key.add(fields_.size());
+    for (const VolumeField& field : fields_)
+        field.add_to(key);
+    key.add(motion_ != nullptr);
+    if (motion_)
+        motion_->add_to(key);
+}
+
 }  // namespace nephele

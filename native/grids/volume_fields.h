@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/part_key.h"
 #include "grids/brick_grid.h"
 #include "grids/cell_bounds.h"
 #include "math/transform.h"
@@ -31,6 +32,7 @@ struct VolumeField {
     }
     /// Bounds of value() over a box of the world, by component.
     std::array<Bounds, 3> range(Vec3f lo_world, Vec3f hi_world) const;
+    void add_to(PartKey& key) const;
 };
 
 /// What carries the fields of a volume along (motion blur): at a time, a point shows what would get there
@@ -46,6 +48,7 @@ struct VolumeMotion {
     }
     /// Grows a box so that it holds origin() of all its points at all times.
     void grow(Vec3f& lo_world, Vec3f& hi_world) const;
+    void add_to(PartKey& key) const;
 
   private:
     Vec3f velocity_at(Vec3f p) const {
@@ -72,6 +75,8 @@ class VolumeFields {
     }
     /// Bounds of value() over a box of the world and all times.
     std::array<Bounds, 3> range(std::int32_t number, Vec3f lo_world, Vec3f hi_world) const;
+
+    void add_to(PartKey& key) const;
 
   private:
     std::vector<VolumeField> fields_;

@@ -12,8 +12,8 @@
 
 namespace nephele {
 
-template <class Row>
-std::vector<double> flattened(const std::vector<Row>& rows) {
+template <class Row, class Allocator>
+std::vector<double> flattened(const std::vector<Row, Allocator>& rows) {
     static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(std::uint32_t) == 0);
     std::vector<std::uint32_t> words(rows.size() * sizeof(Row) / sizeof(std::uint32_t));
     if (!rows.empty())
@@ -22,17 +22,17 @@ std::vector<double> flattened(const std::vector<Row>& rows) {
 }
 
 /// Whether `name` is there with as many rows.
-template <class Row>
+template <class Row, class Allocator>
 bool holds(const std::map<std::string, std::vector<double>>& saved, const char* name,
-           const std::vector<Row>& rows) {
+           const std::vector<Row, Allocator>& rows) {
     const auto found = saved.find(name);
     return found != saved.end() && found->second.size() == rows.size() * sizeof(Row) / sizeof(std::uint32_t);
 }
 
 /// Throws std::invalid_argument where `name` is missing or not of the rows' number.
-template <class Row>
+template <class Row, class Allocator>
 void unflatten(const std::map<std::string, std::vector<double>>& saved, const char* name,
-               std::vector<Row>& rows) {
+               std::vector<Row, Allocator>& rows) {
     if (!holds(saved, name, rows)) {
         throw std::invalid_argument(std::string("the checkpoint does not fit this render ('") + name +
                                     "' is missing or of another size); render with the settings it was "

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/zeroed.h"
 #include "guiding/learned_guide.h"
 
 namespace nephele {
@@ -51,7 +52,7 @@ class VspBuffer {
 
     int width_, height_;
     Settings settings_;
-    std::vector<Pixel> pixels_;
+    ZeroedVector<Pixel> pixels_;
     std::vector<VspGuide> guides_;
 };
 

@@ -24,11 +24,16 @@ float area_density(Vec3f twice_area, Vec3f to_light) {
 }  // namespace
 
 MeshLight::MeshLight(const Mesh& mesh, const Instance& instance, std::span<const float> radiance_estimate)
-    : mesh_(&mesh), instance_(&instance), lower_(kInfinity), upper_(-kInfinity) {
+    : MeshLight(mesh, instance,
+                std::make_shared<const Choice>(choice_of(mesh, instance, radiance_estimate))) {}
+
+MeshLight::Choice MeshLight::choice_of(const Mesh& mesh, const Instance& instance,
+                                       std::span<const float> radiance_estimate) {
     if (radiance_estimate.size() != mesh.triangle_count()) {
         throw std::invalid_argument("object '" + instance.name +
                                     "': its emission is not given once per triangle");
     }
+    Choice out;
     std::vector<float> weights;
     double area = 0, flux = 0;
     for (std::uint32_t t = 0; t < radiance_estimate.size(); ++t) {
@@ -39,45 +44,46 @@ MeshLight::MeshLight(const Mesh& mesh, const Instance& instance, std::span<const
         }
         if (radiance == 0)
             continue;
-        const Corners k = corners(t);
+        const Corners k = corners_of(mesh, instance, t);
         const float size = 0.5f * length(area_vector(k.a, k.b, k.c));
         if (!(size > 0))
             continue;
-        emissive_.push_back(t);
+        out.emissive.push_back(t);
         weights.push_back(size * radiance);
         area += static_cast<double>(size);
         flux += static_cast<double>(size) * static_cast<double>(radiance);
-        lower_ = min(lower_, min(k.a, min(k.b, k.c)));
-        upper_ = max(upper_, max(k.a, max(k.b, k.c)));
+        out.lower = min(out.lower, min(k.a, min(k.b, k.c)));
+        out.upper = max(out.upper, max(k.a, max(k.b, k.c)));
     }
-    choice_ = DiscreteDistribution(weights);
-    area_ = static_cast<float>(area);
-    intensity_ = static_cast<float>(0.5 * flux);  // the mean of |cos| over all directions is 1/2
-    if (emissive_.size() == mesh.triangle_count())
-        emissive_ = {};
+    out.triangles = DiscreteDistribution(weights);
+    out.area = static_cast<float>(area);
+    out.intensity = static_cast<float>(0.5 * flux);  // the mean of |cos| over all directions is 1/2
+    if (out.emissive.size() == mesh.triangle_count())
+        out.emissive = {};
+    return out;
 }
 
-MeshLight::Corners MeshLight::corners(std::uint32_t triangle) const {
-    const Transform& m = instance_->world_from_object;
-    return {m.point(mesh_->vertex(triangle, 0)), m.point(mesh_->vertex(triangle, 1)),
-            m.point(mesh_->vertex(triangle, 2))};
+MeshLight::Corners MeshLight::corners_of(const Mesh& mesh, const Instance& instance, std::uint32_t triangle) {
+    const Transform& m = instance.world_from_object;
+    return {m.point(mesh.vertex(triangle, 0)), m.point(mesh.vertex(triangle, 1)),
+            m.point(mesh.vertex(triangle, 2))};
 }
 
 float MeshLight::probability(std::uint32_t triangle) const {
-    if (emissive_.empty())
-        return triangle < choice_.size() ? choice_.probability(triangle) : 0;
-    const auto found = std::lower_bound(emissive_.begin(), emissive_.end(), triangle);
-    if (found == emissive_.end() || *found != triangle)
+    if (choice_->emissive.empty())
+        return triangle < choice_->triangles.size() ? choice_->triangles.probability(triangle) : 0;
+    const auto found = std::lower_bound(choice_->emissive.begin(), choice_->emissive.end(), triangle);
+    if (found == choice_->emissive.end() || *found != triangle)
         return 0;
-    return choice_.probability(static_cast<std::size_t>(found - emissive_.begin()));
+    return choice_->triangles.probability(static_cast<std::size_t>(found - choice_->emissive.begin()));
 }
 
 std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, float u_triangle, Vec2f u) const {
     if (empty())
         return std::nullopt;
-    const DiscreteDistribution::Choice chosen = choice_.sample(u_triangle);
+    const DiscreteDistribution::Choice chosen = choice_->triangles.sample(u_triangle);
     Sample s;
-    s.triangle = emissive_.empty() ? chosen.index : emissive_[chosen.index];
+    s.triangle = choice_->emissive.empty() ? chosen.index : choice_->emissive[chosen.index];
     const Corners k = corners(s.triangle);
     const SphericalTriangle spherical(k.a - p, k.b - p, k.c - p);
     if (spherical.usable()) {
@@ -118,8 +124,8 @@ float MeshLight::importance(Vec3f p) const {
     if (empty())
         return 0;
     // At a great distance intensity / d^2; close by no more than its mean radiance from all around.
-    const Vec3f outside = max(max(lower_ - p, p - upper_), Vec3f(0));
-    return intensity_ / (dot(outside, outside) + area_ / (8 * kPi));
+    const Vec3f outside = max(max(choice_->lower - p, p - choice_->upper), Vec3f(0));
+    return choice_->intensity / (dot(outside, outside) + choice_->area / (8 * kPi));
 }
 
 }  // namespace nephele

@@ -5,6 +5,7 @@
 // material's program to say: samples carry no Li.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,19 @@ class MeshLight {
     /// std::invalid_argument, naming the object.
     MeshLight(const Mesh& mesh, const Instance& instance, std::span<const float> radiance_estimate);
 
+    /// How triangles are drawn: the same for equal vertices, placement and estimates.
+    struct Choice {
+        std::vector<std::uint32_t> emissive;  ///< sorted numbers of the triangles in `triangles`; empty: all
+        DiscreteDistribution triangles;
+        Vec3f lower{kInfinity}, upper{-kInfinity};
+        float area = 0, intensity = 0;
+    };
+    /// Throws as the constructor that makes it.
+    static Choice choice_of(const Mesh& mesh, const Instance& instance,
+                            std::span<const float> radiance_estimate);
+    MeshLight(const Mesh& mesh, const Instance& instance, std::shared_ptr<const Choice> choice)
+        : mesh_(&mesh), instance_(&instance), choice_(std::move(choice)) {}
+
     struct Sample {
         LightSample light;  ///< Li is left 0
         std::uint32_t triangle = 0;
@@ -34,15 +48,15 @@ class MeshLight {
     /// Density of `sample` at a point on a triangle, solid angle at p: for a ray from p that hit `point`.
     float pdf(std::uint32_t triangle, Vec3f p, Vec3f point) const;
 
-    bool empty() const { return choice_.empty(); }
+    bool empty() const { return choice_->triangles.empty(); }
     const Instance& instance() const { return *instance_; }
     const Mesh& mesh() const { return *mesh_; }
-    std::size_t triangle_count() const { return choice_.size(); }
-    float area() const { return area_; }
-    Vec3f lower() const { return lower_; }
-    Vec3f upper() const { return upper_; }
+    std::size_t triangle_count() const { return choice_->triangles.size(); }
+    float area() const { return choice_->area; }
+    Vec3f lower() const { return choice_->lower; }
+    Vec3f upper() const { return choice_->upper; }
     /// Radiant intensity as seen from afar, averaged over directions, W/sr (by the estimates).
-    float intensity() const { return intensity_; }
+    float intensity() const { return choice_->intensity; }
     /// Estimate of the fluence rate at p, W/m^2; > 0 everywhere unless `empty`.
     float importance(Vec3f p) const;
 
@@ -50,15 +64,13 @@ class MeshLight {
     struct Corners {
         Vec3f a, b, c;
     };
-    Corners corners(std::uint32_t triangle) const;
+    static Corners corners_of(const Mesh& mesh, const Instance& instance, std::uint32_t triangle);
+    Corners corners(std::uint32_t triangle) const { return corners_of(*mesh_, *instance_, triangle); }
     float probability(std::uint32_t triangle) const;
 
     const Mesh* mesh_;
     const Instance* instance_;
-    std::vector<std::uint32_t> emissive_;  // sorted numbers of the triangles in choice_; empty: all of them
-    DiscreteDistribution choice_;
-    Vec3f lower_, upper_;
-    float area_ = 0, intensity_ = 0;
+    std::shared_ptr<const Choice> choice_;
 };
 
 }  // namespace nephele

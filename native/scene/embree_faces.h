@@ -3,14 +3,9 @@
 // callbacks, and the callbacks.
 #pragma once
 
-#if NEPHELE_EMBREE_MAJOR >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <vector>
 
+#include "scene/embree_device.h"
 #include "scene/intersector.h"
 
 namespace nephele::embree {

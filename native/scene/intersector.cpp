@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/intersector.h"
 
-#include <atomic>
 #include <deque>
 #include <map>
 #include <stdexcept>
 #include <string>
 
+#include <tbb/parallel_for.h>
+
 #include "scene/embree_faces.h"
+#include "scene/mesh_hierarchy.h"
 #include "scene/reach.h"
 
 namespace nephele {
@@ -69,112 +71,42 @@ void pass(Query& query, Arguments& args) {
 }
 #endif
 
-void check(RTCDevice device, const char* what) {
-    const RTCError error = rtcGetDeviceError(device);
-    if (error != RTC_ERROR_NONE) {
-        throw std::runtime_error(std::string("Embree failed to ") + what + " (error " +
-                                 std::to_string(static_cast<int>(error)) + ", 4 is out of memory)");
-    }
-}
-
 }  // namespace
 
 struct Intersector::Impl {
-    RTCDevice device = nullptr;
-    RTCScene top = nullptr;
-    std::vector<RTCScene> shared;  ///< one per mesh that moves or that several instances use
-    std::atomic<std::ptrdiff_t> memory{0};
-    std::vector<std::vector<float>> placed;  ///< world-space vertices of meshes used once
-    Faces faces;
-    std::deque<OwnFaces> own;  ///< by geometry, where faces are watertight
+    std::shared_ptr<const Device> device;
+    SceneHandle top;
+    std::vector<std::shared_ptr<const MeshHierarchy>> shared;
+    std::deque<std::vector<float>> placed;        ///< world-space vertices of meshes used once
+    std::vector<Buffer<std::int32_t>> triangles;  ///< of these meshes
+    std::deque<OwnFaces> own;                     ///< of these meshes, where faces are watertight
     std::vector<bool>
         flipped;  ///< by instance: placing it in the world mirrored it, which turns its faces over
+    std::ptrdiff_t bytes = 0;
 
-    explicit Impl(Faces f) : device(rtcNewDevice(nullptr)), faces(f) {
-        if (device == nullptr)
-            throw std::runtime_error("Embree could not be started");
-        const auto monitor = [](void* self, ssize_t bytes, bool) {
-            static_cast<Impl*>(self)->memory += bytes;
-            return true;
-        };
-        rtcSetDeviceMemoryMonitorFunction(device, monitor, this);
-        top = new_scene();
-    }
-    ~Impl() {
-        for (RTCScene s : shared)
-            rtcReleaseScene(s);
-        if (top != nullptr)
-            rtcReleaseScene(top);
-        rtcReleaseDevice(device);
-    }
-    Impl(const Impl&) = delete;
-    Impl& operator=(const Impl&) = delete;
-
-    RTCScene new_scene() {
-        RTCScene scene = rtcNewScene(device);
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST
-#if NEPHELE_EMBREE_MAJOR < 4
-                                    | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
-#endif
-        );
-        return scene;
-    }
-
-    RTCGeometry watertight_triangles(const Mesh& mesh, const Vertices& vertices, float slack) {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
-        rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangle_count()));
-        rtcSetGeometryUserData(geometry, &own.emplace_back(OwnFaces{vertices, mesh.triangles.data(), slack}));
-        rtcSetGeometryBoundsFunction(geometry, bound_face, nullptr);
-        rtcSetGeometryIntersectFunction(geometry, intersect_face);
-        return geometry;
-    }
-
-    /// own_space: the vertices are the mesh's own, not placed in the world.
-    RTCGeometry triangles(const Mesh& mesh, const Vertices& vertices, bool own_space, float slack) {
-        if (faces == Faces::watertight)
-            return watertight_triangles(mesh, vertices, slack);
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.steps));
-        for (std::size_t i = 0; i < vertices.steps; ++i) {
-            const float* step = vertices.data + i * vertices.floats;
-            const auto slot = static_cast<unsigned>(i);
-            if (own_space) {
-                // Embree may read 16 bytes at the last vertex, which is past the end of somebody else's
-                // array: copy.
-                void* copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot,
-                                                     RTC_FORMAT_FLOAT3, 12, vertices.floats / 3);
-                if (copy != nullptr)
-                    std::copy(step, step + vertices.floats, static_cast<float*>(copy));
-            } else {
-                rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot, RTC_FORMAT_FLOAT3, step, 0,
-                                           12, vertices.floats / 3);
-            }
-        }
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   mesh.triangles.data(), 0, 12, mesh.triangle_count());
-#if NEPHELE_EMBREE_MAJOR >= 4
-        rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
-#endif
-        return geometry;
-    }
+    explicit Impl(std::shared_ptr<const Device> d) : device(std::move(d)), top(device->new_scene()) {}
 
     /// A mesh used once that stands still: its vertices are placed in the world, which makes queries cheaper
     /// than an instance would.
-    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object, float slack) {
+    RTCGeometry place(const Mesh& mesh, const Transform& world_from_object, std::optional<float> slack) {
         const std::size_t count = mesh.positions.size() / 3;
-        std::vector<float>& out =
-            placed.emplace_back(3 * count + 1);  // one float of padding, see triangles()
-        for (std::size_t i = 0; i < count; ++i) {
-            const float* p = mesh.positions.data() + 3 * i;
-            const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
-            out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
-        }
-        return triangles(mesh, {out.data(), 1, 3 * count}, false, slack);
+        std::vector<float>& out = placed.emplace_back(3 * count + 1);  // one of padding, see triangles()
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const float* p = mesh.positions.data() + 3 * i;
+                const Vec3f w = world_from_object.point({p[0], p[1], p[2]});
+                out[3 * i] = w.x, out[3 * i + 1] = w.y, out[3 * i + 2] = w.z;
+            }
+        });
+        triangles.push_back(mesh.triangles);
+        const Vertices vertices{out.data(), 1, 3 * count};
+        OwnFaces* faces =
+            slack ? &own.emplace_back(OwnFaces{vertices, mesh.triangles.data(), *slack}) : nullptr;
+        return embree::triangles(device->handle(), mesh, vertices, faces);
     }
 
     RTCGeometry instance(RTCScene scene, const Instance& placed_mesh) {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        RTCGeometry geometry = rtcNewGeometry(device->handle(), RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, scene);
         const std::vector<Transform>& steps = placed_mesh.motion.steps();
         rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(std::max<std::size_t>(steps.size(), 1)));
@@ -191,17 +123,23 @@ struct Intersector::Impl {
                                 m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
         rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
     }
-
-    static void attach(RTCScene scene, RTCGeometry geometry, std::uint32_t id) {
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(scene, geometry, id);
-        rtcReleaseGeometry(geometry);
-    }
 };
 
+namespace {
+
+std::shared_ptr<const Device> device_of(PartScope& parts) {
+    return parts.share<Device>(PartKey(), [] { return std::make_shared<Device>(); });
+}
+
+}  // namespace
+
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                         std::span<const std::uint32_t> used, Faces faces)
-    : impl_(std::make_unique<Impl>(faces)), empty_(used.empty()) {
+                         std::span<const std::uint32_t> used, Faces faces, Layout layout, PartScope* parts)
+    : empty_(used.empty()) {
+    PartCache own_cache;
+    PartScope own_parts(own_cache);
+    PartScope& known = parts != nullptr ? *parts : own_parts;
+    impl_ = std::make_unique<Impl>(device_of(known));
     std::map<std::uint32_t, int> uses;
     for (const std::uint32_t i : used)
         ++uses[instances[i].mesh];
@@ -209,36 +147,59 @@ Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance>
         reach_ = reach_of(meshes, instances, used);
     constexpr float kRounding =
         1e-6f;  // of a vertex as a ray sees it that starts no further away than a few reaches
-    const float slack = kRounding * reach_;
-    std::map<std::uint32_t, RTCScene> shared;
+    const auto slack = [&](float scale) {
+        return faces == Faces::watertight ? std::optional(kRounding * reach_ * scale) : std::nullopt;
+    };
+    std::map<std::uint32_t, std::shared_ptr<const MeshHierarchy>> shared;
     impl_->flipped.resize(instances.size());
     for (const std::uint32_t i : used) {
         const Instance& instance = instances[i];
         const Mesh& mesh = meshes[instance.mesh];
-        if (uses[instance.mesh] == 1 && !instance.motion.moves() && !mesh.deforms()) {
+        const bool alone = uses[instance.mesh] == 1 && !instance.motion.moves() && !mesh.deforms();
+        if (layout == Layout::whole && alone) {
             impl_->flipped[i] = instance.mirrored();
-            Impl::attach(impl_->top, impl_->place(mesh, instance.world_from_object, slack), i);
+            attach(impl_->top.get(), impl_->place(mesh, instance.world_from_object, slack(1)), i);
             continue;
         }
-        RTCScene& scene = shared[instance.mesh];
-        if (scene == nullptr) {
-            scene = impl_->shared.emplace_back(impl_->new_scene());
-            Impl::attach(scene,
-                         impl_->triangles(mesh, own_vertices(mesh), true,
-                                          slack * object_scale(instances, used, instance.mesh)),
-                         0);
-            rtcCommitScene(scene);
+        std::shared_ptr<const MeshHierarchy>& hierarchy = shared[instance.mesh];
+        if (hierarchy == nullptr) {
+            const float scale =
+                faces == Faces::watertight ? object_scale(instances, used, instance.mesh) : 1.0f;
+            hierarchy = MeshHierarchy::shared(known, impl_->device, mesh, slack(scale));
+            impl_->shared.push_back(hierarchy);
+            impl_->bytes += hierarchy->bytes();
         }
-        Impl::attach(impl_->top, impl_->instance(scene, instance), i);
+        attach(impl_->top.get(), impl_->instance(hierarchy->scene(), instance), i);
     }
-    rtcCommitScene(impl_->top);
-    check(impl_->device, "build the ray tracing hierarchy");
+    impl_->bytes += impl_->device->commit(impl_->top.get());
+}
+
+std::shared_ptr<const Intersector> Intersector::shared(PartScope& parts, std::string_view role,
+                                                       std::span<const Mesh> meshes,
+                                                       std::span<const Instance> instances,
+                                                       std::span<const std::uint32_t> used, Faces faces,
+                                                       Layout layout) {
+    PartKey key;
+    key.add(role).add(faces).add(layout).add(instances.size()).add(used);
+    for (const std::uint32_t i : used) {
+        const Instance& instance = instances[i];
+        const Mesh& mesh = meshes[instance.mesh];
+        key.add(instance.mesh).add(mesh.positions).add(mesh.triangles);
+        key.add(mesh.motion_positions).add(mesh.motion_steps);
+        key.add(instance.world_from_object).add(instance.motion.steps().size());
+        for (const Transform& step : instance.motion.steps())
+            key.add(step);
+    }
+    return parts.share<Intersector>(key, [&] {
+        parts.let_go<Intersector>(PartKey().add(role));
+        return std::make_shared<Intersector>(meshes, instances, used, faces, layout, &parts);
+    });
 }
 
 Intersector::~Intersector() = default;
 
 std::size_t Intersector::bytes() const {
-    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->memory, 0));
+    return static_cast<std::size_t>(std::max<std::ptrdiff_t>(impl_->bytes, 0));
 }
 
 Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
@@ -252,9 +213,9 @@ Hit Intersector::intersect(const Ray& ray, HitFilter* filter) const {
     RTCIntersectArguments args;
     rtcInitIntersectArguments(&args);
     pass(query, args);
-    rtcIntersect1(impl_->top, &rh, &args);
+    rtcIntersect1(impl_->top.get(), &rh, &args);
 #else
-    rtcIntersect1(impl_->top, &query.context, &rh);
+    rtcIntersect1(impl_->top.get(), &query.context, &rh);
 #endif
     return rh.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Hit{} : hit_of(rh.ray, rh.hit);
 }
@@ -268,9 +229,9 @@ bool Intersector::occluded(const Ray& ray, HitFilter* filter) const {
     RTCOccludedArguments args;
     rtcInitOccludedArguments(&args);
     pass(query, args);
-    rtcOccluded1(impl_->top, &r, &args);
+    rtcOccluded1(impl_->top.get(), &r, &args);
 #else
-    rtcOccluded1(impl_->top, &query.context, &r);
+    rtcOccluded1(impl_->top.get(), &query.context, &r);
 #endif
     return r.tfar < 0;
 }
@@ -283,7 +244,7 @@ void Intersector::self_test() {
     Instance instance;
     const std::uint32_t used = 0;
     const Intersector scene({&mesh, 1}, {&instance, 1}, {&used, 1});
-    const auto version = rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_VERSION);
+    const auto version = rtcGetDeviceProperty(scene.impl_->device->handle(), RTC_DEVICE_PROPERTY_VERSION);
     const Hit hit = scene.intersect({{0.25f, 0.25f, 1}, {0, 0, -1}});
     if (version / 10000 != RTC_VERSION_MAJOR || !hit.valid() || std::fabs(hit.t - 1) > 1e-5f) {
         throw std::runtime_error("the Embree library loaded by this process (version " +
@@ -291,7 +252,8 @@ void Intersector::self_test() {
                                  ") is not the one this module was built with (" RTC_VERSION_STRING
                                  "); install the build of Nephele made for this Blender");
     }
-    if (rtcGetDeviceProperty(scene.impl_->device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
+    if (rtcGetDeviceProperty(scene.impl_->device->handle(), RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) ==
+        0) {
         throw std::runtime_error(
             "this Embree library was built without filter functions; install one that has them");
     }

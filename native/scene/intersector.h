@@ -6,8 +6,10 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "base/part_cache.h"
 #include "math/vec.h"
 #include "scene/mesh.h"
 
@@ -39,9 +41,24 @@ class Intersector {
         watertight  ///< watertight.h: a closed mesh is entered as often as left. Not for occluded()
     };
 
-    /// Builds the hierarchy over the instances listed. Throws std::runtime_error naming the cause.
+    /// What is built.
+    enum class Layout {
+        whole,    ///< one hierarchy over all that stands still and is there once: rays are faster
+        by_mesh,  ///< one of each mesh, and one over their instances: built faster where something changes
+    };
+
+    /// Builds the hierarchy over the instances listed. parts: where to look for those of meshes first. Throws
+    /// std::runtime_error naming the cause.
     Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
-                std::span<const std::uint32_t> used, Faces faces = Faces::fast);
+                std::span<const std::uint32_t> used, Faces faces = Faces::fast, Layout layout = Layout::whole,
+                PartScope* parts = nullptr);
+    /// The one of these instances that is among the parts, or a new one. role: the scene's only one of that
+    /// name.
+    static std::shared_ptr<const Intersector> shared(PartScope& parts, std::string_view role,
+                                                     std::span<const Mesh> meshes,
+                                                     std::span<const Instance> instances,
+                                                     std::span<const std::uint32_t> used, Faces faces,
+                                                     Layout layout);
     ~Intersector();
     Intersector(const Intersector&) = delete;
     Intersector& operator=(const Intersector&) = delete;

@@ -80,8 +80,10 @@ struct Instance {
 
     /// Material of a triangle; slots beyond the list use the last one, as in Blender.
     std::int32_t material_of(const Mesh& m, std::uint32_t triangle) const {
-        const auto slot = static_cast<std::size_t>(std::max(m.slot(triangle), 0));
-        return materials[std::min(slot, materials.size() - 1)];
+        return materials[slot_of(m, triangle)];
+    }
+    std::size_t slot_of(const Mesh& m, std::uint32_t triangle) const {
+        return std::min(static_cast<std::size_t>(std::max(m.slot(triangle), 0)), materials.size() - 1);
     }
     Transform world_from_object_at(float time) const {
         return motion.moves() ? motion.at(time) : world_from_object;

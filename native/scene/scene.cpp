@@ -46,7 +46,11 @@ void check_mesh(const Mesh& mesh) {
 
 }  // namespace
 
-Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(source)), settings_(settings) {
+Scene::Scene(SceneSource source, const Settings& settings, PartCache* parts)
+    : source_(std::move(source)), settings_(settings) {
+    PartCache none;
+    PartScope scope(parts != nullptr ? *parts : none);
+    parts_ = &scope;
     camera_.emplace(source_.camera);
     textures_ = {source_.images,
                  inverse_of(source_.camera.world_from_camera),
@@ -67,11 +71,32 @@ Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(s
     add_volumes();
     add_lights();
     decide_features();
+    parts_ = nullptr;
+    scope.commit();
+}
+
+void Scene::check_meshes() {
+    struct Checked {};
+    for (const Mesh& mesh : source_.meshes) {
+        PartKey key;
+        key.add(mesh.positions).add(mesh.triangles).add(mesh.corner_normals).add(mesh.material_index);
+        key.add(mesh.motion_steps).add(mesh.motion_positions).add(mesh.motion_normals);
+        for (const auto* layers : {&mesh.uvs, &mesh.attributes}) {
+            key.add(layers->size());
+            for (const Buffer<float>& layer : *layers)
+                key.add(layer);
+        }
+        naming("mesh '" + mesh.name + "'", [&] {
+            parts_->get_or_make<Checked>(key, [&] {
+                check_mesh(mesh);
+                return Checked();
+            });
+        });
+    }
 }
 
 void Scene::add_meshes() {
-    for (const Mesh& mesh : source_.meshes)
-        naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
+    check_meshes();
     std::vector<std::uint32_t> surfaces, boundaries, dielectrics;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {
@@ -101,9 +126,15 @@ void Scene::add_meshes() {
         region_of_instance_[i] = static_cast<std::uint32_t>(before);
         boundaries.push_back(i);
     }
-    surfaces_.emplace(source_.meshes, source_.instances, surfaces);
-    dielectrics_.emplace(source_.meshes, source_.instances, dielectrics, Intersector::Faces::watertight);
-    boundaries_.emplace(source_.meshes, source_.instances, boundaries, Intersector::Faces::watertight);
+    const auto layout = settings_.hierarchy == Settings::Hierarchy::by_mesh ? Intersector::Layout::by_mesh
+                                                                            : Intersector::Layout::whole;
+    using Faces = Intersector::Faces;
+    const auto build = [&](const char* role, std::span<const std::uint32_t> used, Faces faces) {
+        return Intersector::shared(*parts_, role, source_.meshes, source_.instances, used, faces, layout);
+    };
+    surfaces_ = build("surfaces", surfaces, Faces::fast);
+    dielectrics_ = build("dielectrics", dielectrics, Faces::watertight);
+    boundaries_ = build("boundaries", boundaries, Faces::watertight);
 }
 
 }  // namespace nephele

@@ -113,7 +113,8 @@ class Scene {
   public:
     /// Builds everything. Throws std::runtime_error or std::invalid_argument naming the object or file at
     /// fault.
-    explicit Scene(SceneSource source, const Settings& settings = {});
+    /// parts: of earlier scenes. What is among them is not built again, and in the end it holds this scene's.
+    explicit Scene(SceneSource source, const Settings& settings = {}, PartCache* parts = nullptr);
 
     const SceneFeatures& features() const { return features_; }
     const Camera& camera() const { return *camera_; }
@@ -163,7 +164,9 @@ class Scene {
     void drop_priority_of_emitter(Instance& instance);
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
+    void check_meshes();
     void add_meshes();
+    void add_lights_of_meshes(std::vector<MeshLight>& lights, std::size_t lamps);
     void add_volumes();
     void add_lights();
     // scene_media.cpp
@@ -180,6 +183,7 @@ class Scene {
     class VolumeBuilder;
     void decide_features();
 
+    PartScope* parts_ = nullptr;  ///< while it is built
     SceneSource source_;
     Settings settings_;
     std::vector<ProgramTraits> traits_;  ///< by material; the last entry is the default's
@@ -187,9 +191,9 @@ class Scene {
     std::vector<Region> regions_;
     std::vector<std::uint32_t> region_of_instance_;  ///< of mesh regions; ~0 elsewhere
     std::vector<std::uint32_t> mesh_light_of_instance_;
-    std::optional<Intersector> surfaces_;     ///< all but objects with a dielectric priority
-    std::optional<Intersector> boundaries_;   ///< meshes that bound media
-    std::optional<Intersector> dielectrics_;  ///< objects with a dielectric priority
+    std::shared_ptr<const Intersector> surfaces_;     ///< all but objects with a dielectric priority
+    std::shared_ptr<const Intersector> boundaries_;   ///< meshes that bound media
+    std::shared_ptr<const Intersector> dielectrics_;  ///< objects with a dielectric priority
     std::optional<Camera> camera_;
     LightSet lights_;
     TextureContext textures_;

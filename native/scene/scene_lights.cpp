@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/naming.h"
+#include "scene/part_keys.h"
 #include "scene/scene.h"
 
 namespace nephele {
@@ -32,44 +33,58 @@ void Scene::add_lights() {
         lamps.push_back(prepare_lamp(d));
 
     std::vector<MeshLight> mesh_lights;
+    add_lights_of_meshes(mesh_lights, lamps.size());
+
+    std::shared_ptr<const EnvironmentLight> world;
+    if (source_.world.background) {
+        const auto [width, height] = world_resolution(*source_.world.background, source_.images);
+        PartKey key;
+        add_to(key, *source_.world.background, textures_);
+        key.add(source_.world.visibility).add(width).add(height);
+        naming("world", [&, w = width, h = height] {
+            world = parts_->share<EnvironmentLight>(key, [&] {
+                return std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); },
+                                                          w, h);
+            });
+        });
+    }
+    lights_ = LightSet(std::move(lamps), std::move(mesh_lights), std::move(world));
+}
+
+/// The instances whose materials emit, numbered after the lamps.
+void Scene::add_lights_of_meshes(std::vector<MeshLight>& lights, std::size_t lamps) {
     mesh_light_of_instance_.assign(source_.instances.size(), kNoLight);
     for (std::size_t i = 0; i < source_.instances.size(); ++i) {
         const Instance& instance = source_.instances[i];
         const Mesh& mesh = source_.meshes[instance.mesh];
-        std::vector<float> radiance(source_.materials.size(), 0.0f);  // estimate, by material
-        bool emits = false;
+        std::vector<float> radiance;  // estimate, by slot
         for (const std::int32_t m : instance.materials) {
-            if (m < 0 || !traits_[static_cast<std::size_t>(m)].emissive)
-                continue;
-            const auto& known = traits_[static_cast<std::size_t>(m)].constant_emission;
-            radiance[static_cast<std::size_t>(m)] = known ? luminance(*known) : 1.0f;
-            emits |= radiance[static_cast<std::size_t>(m)] > 0;
+            float estimate = 0;
+            if (m >= 0 && traits_[static_cast<std::size_t>(m)].emissive) {
+                const auto& known = traits_[static_cast<std::size_t>(m)].constant_emission;
+                estimate = known ? luminance(*known) : 1.0f;
+            }
+            radiance.push_back(estimate);
         }
-        if (!emits)
+        if (std::none_of(radiance.begin(), radiance.end(), [](float r) { return r > 0; }))
             continue;
         if (instance.motion.moves() || mesh.deforms()) {  // light sampling aims at what stands still
             warnings_.push_back("object '" + instance.name +
                                 "': it glows and moves; its light is found by chance alone, with more noise");
             continue;
         }
-        std::vector<float> of_triangle(mesh.triangle_count());
-        for (std::uint32_t t = 0; t < of_triangle.size(); ++t) {
-            const std::int32_t m = instance.material_of(mesh, t);
-            of_triangle[t] = m < 0 ? 0 : radiance[static_cast<std::size_t>(m)];
-        }
-        mesh_light_of_instance_[i] = static_cast<std::uint32_t>(lamps.size() + mesh_lights.size());
-        mesh_lights.emplace_back(mesh, instance, of_triangle);
-    }
-
-    std::shared_ptr<const EnvironmentLight> world;
-    if (source_.world.background) {
-        const std::pair<int, int> size = world_resolution(*source_.world.background, source_.images);
-        naming("world", [&] {
-            world = std::make_shared<EnvironmentLight>([&](Vec3f d) { return background(d, kDiffuseRay); },
-                                                       size.first, size.second);
+        PartKey key;
+        key.add(mesh.positions).add(mesh.triangles).add(mesh.material_index);
+        key.add(instance.world_from_object).add(std::span(radiance));
+        const auto choice = parts_->get_or_make<MeshLight::Choice>(key, [&] {
+            std::vector<float> of_triangle(mesh.triangle_count());
+            for (std::uint32_t t = 0; t < of_triangle.size(); ++t)
+                of_triangle[t] = radiance[instance.slot_of(mesh, t)];
+            return MeshLight::choice_of(mesh, instance, of_triangle);
         });
+        mesh_light_of_instance_[i] = static_cast<std::uint32_t>(lamps + lights.size());
+        lights.emplace_back(mesh, instance, choice);
     }
-    lights_ = LightSet(std::move(lamps), std::move(mesh_lights), std::move(world));
 }
 
 void Scene::decide_features() {

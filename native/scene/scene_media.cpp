@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "scene/naming.h"
+#include "scene/part_keys.h"
 #include "scene/scene.h"
 
 namespace nephele {
@@ -54,12 +55,20 @@ Medium Scene::constant_medium(const VolumeClosure& c, float scale) const {
 Medium Scene::program_medium(const VolumeClosure& c, float scale, VolumeFields fields,
                              const ShadingPoint& place, const BoundsFrame& frame) {
     validate(*c.program, source_.images.size());
+    PartKey key;
+    add_to(key, *c.program, textures_);
+    key.add(scale);
+    fields.add_to(key);
     Medium medium;
     medium.program =
         std::make_shared<ProgramMedium>(*c.program, c.program_has_phase ? nullptr : &c.phase,
                                         std::move(fields), scale, place, textures_, image_bounds());
-    if (medium.program->interacts() || medium.program->emits())
-        medium.bounds = bounds_of_program(*medium.program, frame, bounds_options());
+    if (medium.program->interacts() || medium.program->emits()) {
+        add_to(key, place);
+        add_to(key, frame, bounds_options());
+        medium.bounds = parts_->share<MediumBounds>(
+            key, [&] { return bounds_of_program(*medium.program, frame, bounds_options()); });
+    }
     return medium;
 }
 
@@ -74,8 +83,12 @@ BoundsOptions Scene::bounds_options() const {
 
 std::span<const ImageBounds> Scene::image_bounds() {
     if (image_bounds_.empty()) {
-        for (const Image& image : source_.images)
-            image_bounds_.emplace_back(image);
+        for (const Image& image : source_.images) {
+            PartKey key;
+            add_to(key, image);
+            image_bounds_.push_back(
+                *parts_->get_or_make<ImageBounds>(key, [&] { return ImageBounds(image); }));
+        }
     }
     return image_bounds_;
 }

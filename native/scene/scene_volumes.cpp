@@ -236,9 +236,14 @@ class Scene::VolumeBuilder {
         // Majorants are merged where that saves steps, which depends on the optical depth of a voxel.
         const float voxel = std::cbrt(std::fabs(transform_of(grid.world_from_index).determinant()));
         const BoundsOptions options = scene_.bounds_options();
-        return std::make_shared<MediumBounds>(
-            MediumBounds{Majorants(*cells_of(grid, 0), options.accelerator, sigma * voxel, options.minorants),
-                         grid.field.index_from_world});
+        PartKey key;
+        key.add(grid.id).add(filter_).add(sigma * voxel).add(grid.field.index_from_world);
+        key.add(options.accelerator).add(options.minorants);
+        return scene_.parts_->get_or_make<MediumBounds>(key, [&] {
+            return MediumBounds{
+                Majorants(*cells_of(grid, 0), options.accelerator, sigma * voxel, options.minorants),
+                grid.field.index_from_world};
+        });
     }
 
     void add_program(const VolumeClosure& c, const std::shared_ptr<const VolumeMotion>& motion) {

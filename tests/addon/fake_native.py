@@ -32,11 +32,14 @@ def scene_features(scene):
     return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]} | FIELD
 
 
+SceneParts = object
+
+
 class Renderer:
     SECONDS_PER_SAMPLE = 0.0
     INTERRUPT_AT = None
 
-    def __init__(self, scene):
+    def __init__(self, scene, parts=None):
         for volume in scene.volumes:
             if not Path(volume.path).is_file():
                 raise ValueError(f"volume '{volume.name}': {volume.path} does not exist; check its file path")
@@ -150,7 +153,7 @@ def scene(width=16, height=8, film_passes=("Combined",), volumes=(), **film):
     )
 
 
-def export_scene(depsgraph, *, engine=None):
+def export_scene(depsgraph, *, engine=None, cache=None):
     """A fake exporter: the film's size and the frame are the blend's, the rest is scene()'s."""
     import bpy
 
@@ -185,6 +188,7 @@ def main():
 
     export = types.ModuleType("nephele.export")
     export.export_scene = export_scene
+    export.ExportCache = object
     export.ExportError = type("ExportError", (Exception,), {})
     sys.modules |= {"nephele.bridge": bridge(), "nephele.export": export}
     Renderer.SECONDS_PER_SAMPLE = float(os.environ.get("SECONDS_PER_SAMPLE", "0"))

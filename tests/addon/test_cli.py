@@ -143,7 +143,7 @@ def test_native_refusal_is_bad_input(run, tmp_path, monkeypatch):
         path, fake_native.scene(volumes=(description.Volume("Smoke", str(vdb), np.eye(4), 0),))
     )
 
-    def refuse(scene):
+    def refuse(scene, parts):
         os.write(1, b"OpenVDB complains\n")
         os.write(2, b"twice\n")
         raise ValueError(f"{scene.volumes[0].path}: not a VDB file")
@@ -191,7 +191,7 @@ def test_cancel_writes_checkpoint_and_resume_continues_bit_for_bit(run, scene_fi
 def test_cancel_while_building_does_not_wait_for_it(run, scene_file, tmp_path, monkeypatch):
     release, begin = threading.Event(), []
 
-    def build(scene):
+    def build(scene, parts):
         begin.append(time.monotonic())
         threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
         release.wait(30)

@@ -2,6 +2,7 @@
 """Description files: what is saved comes back, VDB files included; damage and other versions are refused."""
 
 import dataclasses
+import gc
 import math
 
 import fake_native
@@ -173,3 +174,18 @@ def test_fingerprint_tells_content_from_circumstances(tmp_path, vdb):
     assert description_file.fingerprint(dataclasses.replace(scene, volumes=volumes)) != reference
     scene.meshes[0].positions[1, 1] += 1
     assert description_file.fingerprint(scene) != reference
+
+
+def test_digests_are_remembered_only_while_they_hold():
+    array = np.arange(1 << 17, dtype=np.float64)
+    before = description_file.array_digest(array)
+    array[5] = -1
+    assert description_file.array_digest(array) != before
+    array[5] = 5
+    array.flags.writeable = False
+    assert description_file.array_digest(array) == description_file.array_digest(array) == before
+    assert description_file.array_digest(array.reshape(2, -1)) != before
+    remembered = len(description_file._digests)
+    del array
+    gc.collect()
+    assert len(description_file._digests) < remembered

@@ -20,7 +20,7 @@ class FakeRenderer:
     fault = None
     made = ()
 
-    def __init__(self, scene):
+    def __init__(self, scene, parts=None):
         type(self).made = (*self.made, self)
         self.scene = scene
         self.settings = parameters.checked(scene.settings)
@@ -76,7 +76,7 @@ class FakeRenderer:
 def fake(monkeypatch):
     """Returns a fresh fake renderer class in the native module's place."""
     cls = type("Fake", (FakeRenderer,), {"made": ()})
-    monkeypatch.setattr(bridge, "load_native", lambda: types.SimpleNamespace(Renderer=cls))
+    monkeypatch.setattr(bridge, "load_native", lambda: types.SimpleNamespace(Renderer=cls, SceneParts=object))
     return cls
 
 
@@ -161,7 +161,7 @@ def host(bpy, camera, fake):
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 40, 20
     ours = {name: value for name, value in vars(engine.NepheleRenderEngine).items() if callable(value)}
-    made = type("OurHost", (Host,), ours)()
+    made = type("OurHost", (Host,), {**ours, "_session": None})()
     made.go = lambda: made.render(bpy.context.evaluated_depsgraph_get())
     return made
 
@@ -298,7 +298,7 @@ FAULTS = [ValueError("mesh 'A': bad; mend it"), RuntimeError("out of memory"), T
 
 
 def fail(fake, monkeypatch, fault, where):
-    def refuse(scene):
+    def refuse(scene, parts):
         raise fault
 
     if where == "build":
