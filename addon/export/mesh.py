@@ -46,7 +46,7 @@ class MeshRecord:
         self._corner_count = len(mesh.loops)
         corner_vertices = read(mesh.attributes[".corner_vert"].data, "value", 1, np.int32)
         self.triangles = corner_vertices[self._corners]
-        self.corner_normals = self._normals(mesh)
+        self.corner_normals = None  # until a surface needs them
         self.material_index = self._face_values("material_index")
 
     @property
@@ -81,8 +81,17 @@ class MeshRecord:
         values = read(attribute.data, "value", 1, np.int32)
         return values[self._polygon_index] if values.any() else None
 
-    def require(self, uvs, attributes):
-        """Reads the UV maps and attributes (name -> number) that a material uses and the mesh has."""
+    def used_slots(self, count):
+        """Returns the material slots, of `count`, that a face uses; slots beyond the last count as it."""
+        if self.material_index is None:
+            return {0}
+        return set(np.flatnonzero(np.bincount(np.clip(self.material_index, 0, count - 1))).tolist())
+
+    def require(self, uvs, attributes, surface):
+        """Reads the UV maps and attributes (name -> number) that a material uses and the mesh has, and the
+        normals where the material is a surface's."""
+        if surface and self.corner_normals is None:
+            self.corner_normals = self._normals(self._mesh)
         for name, number in uvs.items():
             if number not in self._uvs:
                 layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
