@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-vsp bench-guiding scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-vsp bench-guiding bench-features scenes bake clean
 
 python := .venv/bin/python
 
@@ -13,7 +13,7 @@ ARGS ?=
 FILES ?=
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: ## install Debian packages and .venv, where missing
 	@scripts/setup.sh
@@ -55,6 +55,10 @@ bench-guiding: build ## measure the guiding field beside Cycles and Mitsuba (hou
 	@scripts/setup.sh bench
 	$(python) bench/vsp.py --configs delta,vspg,directions,directions+segments,everything,auto \
 	    --cycles --mitsuba $(ARGS)
+
+bench-features: setup ## measure what features cost scenes that lack them, with builds that lack the features
+	@scripts/setup.sh count
+	$(python) bench/specialisation.py $(ARGS)
 
 scenes: build ## make the bundled .blend files anew from their scripts
 	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done

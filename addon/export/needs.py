@@ -42,7 +42,8 @@ def renumbered(block, places):
     """Returns a Material or World whose programs read image places[n] in place of image n."""
     field = "surface" if hasattr(block, "surface") else "background"
     volume = tuple(
-        dataclasses.replace(closure, program=_with_images(closure.program, places)) for closure in block.volume
+        dataclasses.replace(closure, program=_with_images(closure.program, places))
+        for closure in block.volume
     )
     return dataclasses.replace(block, **{field: _with_images(_surface(block), places)}, volume=volume)
 
