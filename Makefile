@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-foundation scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-foundation bench-features scenes bake clean
 
 python := .venv/bin/python
 
@@ -51,6 +51,10 @@ bench: build ## measure error against run time, beside Cycles and Mitsuba (hours
 
 bench-foundation: build ## measure speed against Cycles at equal samples, and memory
 	$(python) bench/foundation.py $(ARGS)
+
+bench-features: setup ## measure what features cost scenes that lack them, with builds that lack the features
+	@scripts/setup.sh count
+	$(python) bench/specialisation.py $(ARGS)
 
 scenes: build ## make the bundled .blend files anew from their scripts
 	@for script in blend_scenes/*/make.py; do echo "==> $$script"; $(python) "$$script" || exit 1; done

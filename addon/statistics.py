@@ -88,6 +88,8 @@ def collect(scene, native, native_module, images, seconds, first_tile, context):
         "settings": scene.settings,
         "kernel_features": native["kernel_features"],
         "left_out": native["left_out"],
+        "kernel": native["kernel"],
+        "memory": dict(native["memory"]),
         "guiding_field": dict(native["guiding_field"]),
         "resolution": [film.width, film.height],
         "crop": film.crop,

@@ -26,8 +26,8 @@ bool is_power_of_two(int n) {
 }
 
 bool guides_camera_rays(const Settings& settings, const SceneFeatures& features) {
-    return settings.integrator == Settings::Integrator::path && features.media && settings.vsp_primary &&
-           settings.distance_sampling != Settings::DistanceSampling::delta;
+    return compiled::vsp && settings.integrator == Settings::Integrator::path && features.media &&
+           settings.vsp_primary && settings.distance_sampling != Settings::DistanceSampling::delta;
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ FieldDecision decide_field(const Scene& scene, const Settings& settings) {
     const SceneFeatures& f = scene.features();
     const bool later_vsp =
         f.media && settings.vsp_secondary && settings.distance_sampling == Settings::DistanceSampling::vspg;
-    if (settings.train_field == Settings::TrainField::never)
+    if (!compiled::field || settings.train_field == Settings::TrainField::never)
         return {false, "switched off"};
     if (settings.integrator != Settings::Integrator::path)
         return {false, "the plain integrator guides nothing"};
@@ -52,6 +52,11 @@ FieldDecision decide_field(const Scene& scene, const Settings& settings) {
     if (!f.surfaces && !f.grids && !f.programs && !f.overlap && lights <= 1 && !f.volume_emission)
         return {false, "one medium that does not vary, and one light"};
     return {true, "light arrives by way of several bounces"};
+}
+
+bool learns(const Scene& scene, const Settings& settings) {
+    return guides_camera_rays(settings, scene.features()) || decide_field(scene, settings).trains ||
+           adapts(settings);
 }
 
 Learning::Learning(const Scene& scene, const Settings& settings, int width, int height)
@@ -164,6 +169,12 @@ std::optional<Techniques> Learning::chosen() const {
     if (!field_ || !choice_.decided())
         return std::nullopt;
     return choice_.set(choice_.chosen());
+}
+
+std::size_t Learning::bytes() const {
+    return (guides_ ? guides_->bytes() : 0) + (image_ ? image_->bytes() : 0) +
+           (field_ ? field_->memory() : 0) + lessons_.capacity() * sizeof(FieldSample) +
+           pairs_.capacity() * sizeof(PathPair);
 }
 
 void Learning::save(std::map<std::string, std::vector<double>>& saved) const {

@@ -14,7 +14,7 @@ namespace nephele {
 
 /// Whether pixels take fewer samples where the image is clean.
 inline bool adapts(const Settings& settings) {
-    return settings.adaptive_sampling && settings.target_error > 0;
+    return compiled::adaptive_sampling && settings.adaptive_sampling && settings.target_error > 0;
 }
 
 class Learning {
@@ -27,6 +27,8 @@ class Learning {
     const GuidingField* field() const { return field_ ? &*field_ : nullptr; }
     /// What the field is used for, once that is decided.
     std::optional<Techniques> chosen() const;
+    /// Bytes held at present.
+    std::size_t bytes() const;
 
     /// Fills in what samples of a pixel are guided by; `guide` is storage for it.
     void guide_pixel(int x, int y, SampleRequest& request, VspGuide& guide) const;
@@ -78,6 +80,9 @@ struct FieldDecision {
     std::string reason;
 };
 FieldDecision decide_field(const Scene& scene, const Settings& settings);
+
+/// Whether a render learns anything at all.
+bool learns(const Scene& scene, const Settings& settings);
 
 /// Number of the epoch of a pixel's sample: the samples between two updates.
 inline std::uint32_t epoch_of(std::uint32_t sample) {

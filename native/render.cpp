@@ -77,8 +77,8 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
       frame_(std::move(frame)),
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes, film_needs()),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
-      kernel_(choose_kernel(settings, scene_->features())),
-      learning_(*scene_, settings, film_.width(), film_.height()) {
+      learning_(*scene_, settings, film_.width(), film_.height()),
+      kernel_(choose_kernel(settings, scene_->features(), learning_.active())) {
     check_plain(settings_, *scene_);
     const auto any = [&](std::initializer_list<PassId> passes) {
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
@@ -232,15 +232,16 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
-    const float time = scene_->features().motion ? sampler.next() : 0;
+    const float time = compiled::motion && scene_->features().motion ? sampler.next() : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
     if (learning_.active())
         sampler.enter_epoch(epoch_of(index));
     const std::uint64_t lookups = ws.counters.density_lookups;
-    PixelSample s = kernel_(*scene_, settings_, request, ray, sampler, ws);
+    PixelSample s = kernel_.sample(*scene_, settings_, request, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
-    s.mist = mist_at(s.depth);
+    if (film_.has(PassId::mist))
+        s.mist = mist_at(s.depth);
     if (!is_finite(s.volume + s.surface)) {
         ++ws.nonfinite_samples;
         s.volume = s.surface = s.emission = Rgb(0);

@@ -72,6 +72,7 @@ class Render {
     /// The error as it was estimated last; nothing where it is not to be known, or not yet.
     std::optional<double> error() const;
     const Film& film() const { return film_; }
+    const Kernel& kernel() const { return kernel_; }
     const FilmSource& frame() const { return frame_; }
     RenderStatistics statistics() const;
     /// The sums of film and guiding, for checkpoints.
@@ -84,6 +85,7 @@ class Render {
     /// Starts from what another learned; see Learning.
     std::string inherit(const std::map<std::string, std::vector<double>>& knowledge);
     const GuidingField* field() const { return learning_.field(); }
+    std::size_t learning_bytes() const { return learning_.bytes(); }
     /// What the field is used for, once that is decided; not while it runs.
     std::optional<Techniques> techniques() const { return learning_.chosen(); }
 
@@ -109,8 +111,8 @@ class Render {
     Film film_;
     PixelFilter filter_;
     SampleRequest request_;
-    SampleFunction kernel_;
     Learning learning_;
+    Kernel kernel_;
 
     std::thread thread_;
     std::atomic<State> state_{State::idle};

@@ -16,6 +16,7 @@ bpy_packages=(
 )
 
 lint_packages=(clang-format clang-tidy git)
+count_packages=(valgrind)
 
 # Prints those of the named packages that are not installed. Asks dpkg alone: no network, no root.
 missing_packages() {

@@ -4,7 +4,7 @@
 # Makes a clone ready to build: Debian packages, .venv with pinned Python packages, and the package `nephele`
 # (the folder addon/) installed there in editable form. Each step leaves a stamp holding what it was made from,
 # so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`, `setup.sh bench`
-# the other renderers that bench/ measures against.
+# the other renderers that bench/ measures against, `setup.sh count` what counts instructions.
 #
 # PYTHON=PATH chooses the Python 3.11 that .venv is made from.
 
@@ -117,6 +117,9 @@ mapfile -t packages < <(python_packages "$python")
 packages+=("${build_packages[@]}" "${bpy_packages[@]}")
 if [[ ${1:-} == lint ]]; then
     packages+=("${lint_packages[@]}")
+fi
+if [[ ${1:-} == count ]]; then
+    packages+=("${count_packages[@]}")
 fi
 ensure_packages "${packages[@]}"
 make_venv "$python"

@@ -66,6 +66,7 @@ def describe(scene):
         "settings": scene.settings,
         "kernel_features": list(features["kernel_features"]),
         "left_out": list(features["left_out"]),
+        "kernel": list(features["kernel"]),
         "guiding_field": dict(features["guiding_field"]),
         "warnings": list(scene.warnings),
     }
@@ -80,6 +81,9 @@ def describe_volume(scene, volume):
     """Returns the entry of a description.Volume."""
     closures = scene.materials[volume.material].volume if volume.material >= 0 else ()
     used = {grid for closure in closures for grid in (closure.density_grid, closure.emission_grid) if grid}
+    used |= {grid for closure in closures for grid in closure.grids}
+    if scene.shutter[0] != scene.shutter[1]:
+        used |= set(volume.velocity_grids)
     grids = [grid | {"used": grid["name"] in used} for grid in vdb_info.grids(volume.path)]
     return {"name": volume.name, "path": volume.path, "grids": grids}
 
@@ -111,6 +115,7 @@ def print_text(report):
     print(f"settings other than default: {', '.join(changed) or 'none'}")
     print(f"kernel features: {', '.join(report['kernel_features']) or 'none'}")
     print(f"left out: {', '.join(report['left_out']) or 'nothing'}")
+    print(f"kernel compiled for: {', '.join(report['kernel'])}")
     field = report["guiding_field"]
     print(f"guiding field: {'trained' if field['trains'] else 'none'} ({field['reason']})")
     for warning in report["warnings"]:

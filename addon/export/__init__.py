@@ -5,6 +5,7 @@ module."""
 import bpy
 
 from .. import description
+from . import needs
 from .cache import ExportCache
 from .camera import export_camera
 from .context import Context, ExportError
@@ -36,6 +37,8 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
     objects = Objects(context)
     objects.walk()
     world = compile_world(context.scene.world, context)
+    images = needs.images_read(context.materials, world)
+    places = {number: place for place, number in enumerate(images)}
     scene = description.Scene(
         camera=camera,
         film=film,
@@ -43,10 +46,10 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
         meshes=objects.meshes,
         instances=tuple(objects.instances),
         volumes=tuple(objects.volumes),
-        materials=tuple(context.materials),
-        images=tuple(context.images),
+        materials=tuple(needs.renumbered(material, places) for material in context.materials),
+        images=context.read_images(images),
         lights=tuple(objects.lights),
-        world=world,
+        world=needs.renumbered(world, places),
         warnings=tuple(context.warnings),
         shutter=shutter(context.scene.render) if motion else (0.0, 0.0),
     )

@@ -42,7 +42,7 @@ class Context:
         self.view_layer = depsgraph.view_layer_eval
         self.warnings = []
         self.materials = []  # description.Material by number
-        self.images = []  # description.Image by number
+        self._images = []  # (Blender's image, text naming the node that uses it, block of that) by number
         self._uv_numbers = {"": 0}  # UV map name -> number; "" is a mesh's active one
         self._attribute_numbers = {}
         self._image_numbers = {}
@@ -82,13 +82,18 @@ class Context:
         return number
 
     def image_number(self, image, user):
-        """Returns the number of Blender's `image`; a magenta one, with a warning naming `user`, if it cannot
-        be read."""
+        """Returns the number of Blender's `image`, which read_images() may read later. user: text naming the
+        node that uses it."""
         self._record.images = True
         if image.name_full not in self._image_numbers:
-            self._image_numbers[image.name_full] = len(self.images)
-            self.images.append(kept_image(image, user, self))
+            self._image_numbers[image.name_full] = len(self._images)
+            self._images.append((image, user, self.block))
         return self._image_numbers[image.name_full]
+
+    def read_images(self, numbers):
+        """Returns the description.Images of these numbers; magenta, with a warning, where one cannot be
+        read."""
+        return tuple(kept_image(*self._images[number], self) for number in numbers)
 
     def material_number(self, material, grids=None):
         """Returns (number, UV maps, attributes) of Blender's `material`; -1 for None.
@@ -104,6 +109,10 @@ class Context:
             self._known_materials[key] = (len(self.materials), uvs, attributes)
             self.materials.append(compiled)
         return self._known_materials[key]
+
+    def has_surface(self, number):
+        """Tells whether the material of this number, -1 for the default, is that of a surface."""
+        return number < 0 or self.materials[number].surface is not None
 
     def _default_volume(self):
         """Returns the number of the material of volumes without one: Principled Volume as Blender adds it."""

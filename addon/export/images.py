@@ -31,10 +31,10 @@ class KeptImage:
     stamp: tuple | None
 
 
-def kept_image(image, user, context):
+def kept_image(image, user, block, context):
     """Returns the description.Image of Blender's `image`; magenta where it cannot be read.
 
-    user: text naming the node that uses it, for warnings. What the last export read is taken over where it is
+    user: text naming the node that uses it, for warnings. block: the material or world of that node. What the last export read is taken over where it is
     known to be the same, or found to be.
     """
     cache = context.cache
@@ -42,7 +42,7 @@ def kept_image(image, user, context):
     before = cache.images.get(key)
     # A file that Blender reads again makes it evaluate what uses the image; pixels set by scripts or strokes
     # do not, but leave the image without a stamp.
-    trusted = stamp is not None and _untouched(cache.history, image, context.block)
+    trusted = stamp is not None and _untouched(cache.history, image, block)
     if not (trusted and before is not None and before.stamp == stamp):
         found, notes = _read(image)
         if before is not None:

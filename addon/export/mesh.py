@@ -38,6 +38,7 @@ class MeshArrays:
     def __init__(self):
         self.positions = self.triangles = self.corner_normals = self.material_index = None
         self.corner_count = 0
+        self.has_normals = False  # whether they were read; corner_normals of a flat mesh are None
         self.uvs, self.attributes = {}, {}
         self.motion = self.motion_normals = None
         self._blank = {}
@@ -84,6 +85,7 @@ class MeshRecord:
         self._uvs = {}  # number -> layer's name, None where the mesh has none
         self._attributes = {}
         self._corner_list = self._polygons = None
+        self._has_surface = False
         self._before = known or before
         self._motion_before = (None, None) if self._before is None else self._before.shapes()
         self.arrays = known or self._read(before)
@@ -95,7 +97,6 @@ class MeshRecord:
         corner_vertices = read(mesh.attributes[".corner_vert"].data, "value", 1, np.int32)
         triangles = corner_vertices[self.corners]
         arrays.take("triangles", triangles, before)
-        arrays.take("corner_normals", self._normals(mesh, triangles), before)
         arrays.take("material_index", self._face_values("material_index"), before)
         return arrays
 
@@ -141,8 +142,18 @@ class MeshRecord:
         values = read(attribute.data, "value", 1, np.int32)
         return values[self._polygon_index] if values.any() else None
 
-    def require(self, uvs, attributes):
-        """Reads the UV maps and attributes (name -> number) that a material uses and the mesh has."""
+    def used_slots(self, count):
+        """Returns the material slots, of `count`, that a face uses; slots beyond the last count as it."""
+        index = self.arrays.material_index
+        if index is None:
+            return {0}
+        return set(np.flatnonzero(np.bincount(np.clip(index, 0, count - 1))).tolist())
+
+    def require(self, uvs, attributes, surface):
+        """Reads the UV maps and attributes (name -> number) that a material uses and the mesh has, and the
+        normals where the material is a surface's."""
+        if surface:
+            self._require_normals()
         for name, number in uvs.items():
             if number not in self._uvs:
                 layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
@@ -151,6 +162,13 @@ class MeshRecord:
             if number not in self._attributes:
                 layer = self._mesh.attributes.get(name) if name else self._active_color()
                 self._attributes[number] = self._layer("attributes", layer, self._read_attribute)
+
+    def _require_normals(self):
+        self._has_surface = True
+        if not self.arrays.has_normals:
+            normals = self._normals(self._mesh, self.arrays.triangles)
+            self.arrays.take("corner_normals", normals, self._before)
+            self.arrays.has_normals = True
 
     def _layer(self, kind, layer, read_layer):
         """Returns the name of a layer, once it is among the arrays; None of None."""
@@ -200,6 +218,8 @@ class MeshRecord:
         for layers, used in ((arrays.uvs, self._uvs), (arrays.attributes, self._attributes)):
             for name in layers.keys() - set(used.values()):
                 del layers[name]
+        if not self._has_surface:
+            arrays.corner_normals, arrays.has_normals = None, False
         arrays.motion = arrays.motion_normals = None
         low, size = _generated_box(self._mesh)
         return description.Mesh(

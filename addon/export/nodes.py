@@ -5,6 +5,7 @@ import bpy
 
 from .. import description
 from . import nodes_color, nodes_input, nodes_math, nodes_texture, nodes_volume_input
+from .needs import layers_read
 from .nodes_closure import compile_closures
 from .nodes_program import ONE, ProgramTooLarge, constant
 from .nodes_tree import Compiler, relay, upstream
@@ -64,7 +65,8 @@ def compile_material(material, context, grids=None):
     if grids is None and (has_surface or not has_volume):
         compile_closures(compiler, output.inputs["Surface"], ())
         surface = finished(compiler)
-    return description.Material(material.name, surface, volume), compiler.uvs, compiler.attributes
+    layers = ({}, {}) if surface is None else layers_read(surface, compiler.uvs, compiler.attributes)
+    return description.Material(material.name, surface, volume), *layers
 
 
 def compile_world(world, context):

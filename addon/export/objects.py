@@ -71,6 +71,8 @@ class Objects:
         self._check(instance)
         visibility = self._visibility(instance)
         source = self._source(instance)
+        if visibility == 0:
+            return  # no ray would ever meet it
         if item.type == "LIGHT":
             self.tracks.add("light", len(self.lights), instance)
             self.lights.append(export_light(self._context, instance, visibility))
@@ -110,11 +112,13 @@ class Objects:
         if self._records[key] is None:
             return
         number, record = self._records[key]
-        materials = []
-        for material in self._materials(instance, source) or [None]:
-            index, uvs, attributes = self._context.material_number(material)
-            record.require(uvs, attributes)
-            materials.append(index)
+        slots = self._materials(instance, source) or [None]
+        used = record.used_slots(len(slots))
+        numbers = {}
+        for slot in sorted(used):
+            numbers[slot], uvs, attributes = self._context.material_number(slots[slot])
+            record.require(uvs, attributes, self._context.has_surface(numbers[slot]))
+        materials = [numbers.get(slot, numbers[min(used)]) for slot in range(len(slots))]
         item = instance.object
         self.tracks.add("instance", len(self.instances), instance, record=record, mesh=number)
         self.instances.append(

@@ -144,6 +144,12 @@ class Renderer {
         nb::dict out;
         out["kernel_features"] = scene_->features().list(true);
         out["left_out"] = scene_->features().list(false);
+        out["kernel"] = render_->kernel().list();
+        nb::dict memory;
+        memory["film"] = render_->film().bytes();
+        memory["learning"] = render_->learning_bytes();
+        memory["light_tree"] = scene_->lights().tree_bytes();
+        out["memory"] = memory;
         out["samples_done"] = render_->samples_done();
         out["rays"] = s.rays;
         out["path_segments"] = s.path_segments;
@@ -202,6 +208,7 @@ void bind_renderer(nb::module_& m) {
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
             out["left_out"] = scene.features().list(false);
+            out["kernel"] = choose_kernel(settings, scene.features(), learns(scene, settings)).list();
             out["warnings"] = scene.warnings();
             out["guiding_field"] = told(decide_field(scene, settings));
             return out;

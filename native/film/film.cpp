@@ -5,6 +5,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "compiled/adaptive_sampling.h"
+#include "compiled/passes.h"
+
 namespace nephele {
 
 namespace {
@@ -61,8 +64,9 @@ Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds need
 
 /// Allocates what a pass is made of.
 void Film::keep(PassId pass) {
-    if (pass == PassId::sample_count)
+    if (pass == PassId::sample_count || (!compiled::passes && pass != PassId::combined))
         return;
+    others_ |= pass != PassId::combined;
     allocate(pass, is_variance(pass) ? 3 : kPasses[at(pass)].channels);
     if (const PassId mean = variance_of(pass); sums_of(mean).empty())
         allocate(mean, kPasses[at(mean)].channels);
@@ -84,11 +88,23 @@ void Film::add_to(PassId pass, std::size_t pixel, const float* values, int chann
 void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight) {
     const std::size_t pixel = index(x, y);
     const double w = weight;
+    const Rgb light = sample.volume * exposure + sample.surface * exposure;
+    const float combined[4] = {light.x, light.y, light.z, sample.alpha};
+    add_to(PassId::combined, pixel, combined, 4, w);
+    if (compiled::passes && others_)
+        add_others(pixel, sample, exposure, w);
+    counts_[pixel] += weight;
+    if (compiled::adaptive_sampling && !taken_.empty()) {
+        ++taken_[pixel];
+        squared_weights_[pixel] += w * w;
+    }
+}
+
+/// Adds to all passes but Combined.
+void Film::add_others(std::size_t pixel, const PixelSample& sample, float exposure, double w) {
     const Rgb volume = sample.volume * exposure, surface = sample.surface * exposure,
               emission = sample.emission * exposure;
     const Rgb light = volume + surface;
-    const float combined[4] = {light.x, light.y, light.z, sample.alpha};
-    add_to(PassId::combined, pixel, combined, 4, w);
     add_to(PassId::volume, pixel, &volume.x, 3, w);
     add_to(PassId::surface, pixel, &surface.x, 3, w);
     add_to(PassId::emission, pixel, &emission.x, 3, w);
@@ -107,11 +123,6 @@ void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uin
     add_squares(PassId::variance, pixel, light, w);
     add_squares(PassId::volume_variance, pixel, volume, w);
     add_squares(PassId::surface_variance, pixel, surface, w);
-    counts_[pixel] += weight;
-    if (!taken_.empty()) {
-        ++taken_[pixel];
-        squared_weights_[pixel] += w * w;
-    }
 }
 
 void Film::add_squares(PassId pass, std::size_t pixel, Rgb light, double weight) {
@@ -186,6 +197,13 @@ std::vector<float> Film::read(PassId pass) const {
         }
     }
     return out;
+}
+
+std::size_t Film::bytes() const {
+    std::size_t bytes = (counts_.size() + taken_.size()) * sizeof(std::uint32_t);
+    for (const std::vector<double>& sums : sums_)
+        bytes += sums.size() * sizeof(double);
+    return bytes + squared_weights_.size() * sizeof(double);
 }
 
 std::map<std::string, std::vector<double>> Film::save() const {

@@ -67,6 +67,9 @@ class Film {
     /// side where what is rare was not seen yet.
     double relative_error() const;
 
+    /// Bytes of all sums and counts.
+    std::size_t bytes() const;
+
     /// Sums by name, for checkpoints. Throws std::invalid_argument where they do not fit this film.
     std::map<std::string, std::vector<double>> save() const;
     void restore(const std::map<std::string, std::vector<double>>& saved);
@@ -78,6 +81,7 @@ class Film {
     const ZeroedVector<double>& sums_of(PassId pass) const { return sums_[static_cast<std::size_t>(pass)]; }
     void keep(PassId pass);
     void allocate(PassId pass, int channels);
+    void add_others(std::size_t pixel, const PixelSample& sample, float exposure, double weight);
     void add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight);
     void add_squares(PassId pass, std::size_t pixel, Rgb light, double weight);
     /// Variance of the pixel's mean, of a channel of the pass whose squares `pass` keeps; 0 below two
@@ -87,6 +91,7 @@ class Film {
 
     int width_, height_;
     std::array<bool, kPassCount> asked_{};
+    bool others_ = false;  // whether anything but Combined is kept
     std::vector<std::uint32_t> counts_;
     // Where samples may stand for several: how many there are, and the sum of their squared weights.
     std::vector<std::uint32_t> taken_;

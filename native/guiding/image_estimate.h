@@ -33,6 +33,11 @@ class ImageEstimate {
         return rate >= 1 ? 1 : rate >= 0.5f ? 2 : rate >= 0.25f ? 4 : 8;
     }
 
+    std::size_t bytes() const {
+        return sums_.size() * sizeof(BranchSums) +
+               (worth_.size() + scale_.size() + rate_.size()) * sizeof(float);
+    }
+
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
     void restore(const std::map<std::string, std::vector<double>>& saved);

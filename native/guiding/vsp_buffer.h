@@ -31,6 +31,8 @@ class VspBuffer {
     void update();
     VspGuide guide(int x, int y) const;
 
+    std::size_t bytes() const { return pixels_.size() * sizeof(Pixel) + guides_.size() * sizeof(VspGuide); }
+
     /// The state, for checkpoints. Throws std::invalid_argument where it does not fit.
     void save(std::map<std::string, std::vector<double>>& saved) const;
     void restore(const std::map<std::string, std::vector<double>>& saved);

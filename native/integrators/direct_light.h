@@ -95,17 +95,18 @@ inline Ray shadow_ray(Vec3f p, float time, const DirectSample& direct) {
 }
 
 /// Transmittance from p (already off its surface) to the light: surfaces, then media.
-inline Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, float time,
-                                const DirectSample& direct, PathSampler& sampler, Workspace& ws) {
+template <KernelTraits k = kEverything>
+Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, float time,
+                         const DirectSample& direct, PathSampler& sampler, Workspace& ws) {
     if (!direct.cast_shadow)
         return Rgb(1);
     const Ray ray = shadow_ray(p, time, direct);
     ++ws.counters.rays;
     Rgb T = scene.surface_transmittance(ray);
-    if (is_zero(T) || !scene.features().media)
+    if (!k.media || is_zero(T) || !scene.features().media)
         return T;
     scene.find_media(ray, kShadowRay, ws.shadow);
-    return T * estimate_transmittance(ws.shadow, settings, sampler.rng(), ws.counters);
+    return T * estimate_transmittance<k>(ws.shadow, settings, sampler.rng(), ws.counters);
 }
 
 }  // namespace nephele

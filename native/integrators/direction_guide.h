@@ -46,4 +46,16 @@ class DirectionGuide {
     VmfMixture mixture_;
 };
 
+/// The same where nothing is ever guided.
+class NoDirectionGuide {
+  public:
+    static constexpr bool active() { return false; }
+    static constexpr float share() { return 0; }
+    void fold_in(const PhaseFunction&, Vec3f) {}
+    static Vec3f sample(float, Vec2f) { return {}; }
+    static constexpr float pdf(Vec3f) { return -1; }
+    static constexpr float mixed(float scatter_pdf, float) { return scatter_pdf; }
+    static constexpr float mixed(float scatter_pdf, Vec3f) { return scatter_pdf; }
+};
+
 }  // namespace nephele

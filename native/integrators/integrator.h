@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/field_sample.h"
+#include "base/kernel_traits.h"
 #include "film/film.h"
 #include "guiding/field.h"
 #include "guiding/techniques.h"
@@ -50,7 +51,16 @@ struct SampleRequest {
 using SampleFunction = PixelSample (*)(const Scene&, const Settings&, const SampleRequest&,
                                        const Ray& camera_ray, PathSampler&, Workspace&);
 
-/// The kernel for these settings and what the scene holds.
-SampleFunction choose_kernel(const Settings& settings, const SceneFeatures& features);
+/// An integrator's code, compiled for what it has to be able to do.
+struct Kernel {
+    SampleFunction sample;
+    std::optional<KernelTraits> traits;  ///< none: the plain integrator
+
+    /// What it can do, in words.
+    std::vector<std::string> list() const;
+};
+
+/// The kernel for these settings and what the scene holds. learning: whether samples teach, or are guided.
+Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning = true);
 
 }  // namespace nephele

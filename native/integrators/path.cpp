@@ -15,25 +15,38 @@ namespace nephele {
 
 namespace {
 
-template <bool kMedia>
-class Path : private PathLight {
+template <KernelTraits k>
+class Path : private PathLight<k> {
+    using Base = PathLight<k>;
+
   public:
-    using PathLight::PathLight;
+    using Base::Base;
 
     PixelSample trace() {
-        std::optional<VspGuide> guide;
-        if (request_.guide)
-            guide = *request_.guide;
-        record_.open({SegmentGuiding(settings_, guide, 1)}, light());
+        if constexpr (k.learning) {
+            std::optional<VspGuide> guide;
+            if (request_.guide)
+                guide = *request_.guide;
+            record_.open({SegmentGuiding(settings_, guide, 1)}, light());
+        }
         while (extend()) {
         }
-        record_.close(1, light());
-        out_.vsp_achieved = walk_.first == Walk::First::volume;
-        out_.work = record_.close_camera(light(), out_.vsp, out_.vsp_target);
+        out_.vsp_achieved = walk_.first == First::volume;
+        if constexpr (k.learning) {
+            record_.close(1, light());
+            out_.work = record_.close_camera(light(), out_.vsp, out_.vsp_target);
+        }
         return out_;
     }
 
   private:
+    using Base::add_surface_emission, Base::add_volume_emission, Base::escape, Base::guide_at,
+        Base::guide_in_volume, Base::kMostSurfaceWeight, Base::light, Base::light_surface, Base::light_volume,
+        Base::nearest_lamp, Base::out_, Base::pass_lamp, Base::record_, Base::region_at, Base::request_,
+        Base::sampler_, Base::scene_, Base::settings_, Base::shading, Base::walk_, Base::ws_;
+    using typename Base::First;
+    using typename Base::Guide;
+
     /// Of a direction, as in FieldSample.
     struct Densities {
         float pdf = 0, scatter_pdf = 0, guide_pdf = -1, scattering = 0;
@@ -61,7 +74,7 @@ class Path : private PathLight {
                                  ws_, out_);
             record_.start();  // what passes ask for does not count as the path's work
         }
-        if constexpr (kMedia) {
+        if constexpr (k.media) {
             scene_.find_media(walk_.ray.part(walk_.ray.t_min, std::min(end, lamp.distance)), walk_.kind,
                               ws_.segment);
             if (request_.features && walk_.first == First::none && hit.valid())
@@ -86,16 +99,17 @@ class Path : private PathLight {
     Flight fly(float distance) {
         OpenSegment* segment = record_.current();
         if (!segment)
-            return sample_flight(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
-                                 ws_.counters);
+            return sample_flight<k>(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
+                                    ws_.counters);
         SegmentGuiding& guiding = segment->guiding;
         if (!guiding.active())
-            return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
+            return guiding.template plain_flight<k>(walk_.beta, distance, sampler_, ws_);
         if (!guiding.resamples())
             return guiding.normalized_flight(walk_.beta, distance, sampler_, ws_);
         if (!guiding.walks(sampler_.rng()))
-            return guiding.plain_flight(walk_.beta, distance, sampler_, ws_);
-        const Stream stream = guiding.walk(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
+            return guiding.template plain_flight<k>(walk_.beta, distance, sampler_, ws_);
+        const Stream stream =
+            guiding.template walk<k>(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
         const float p = guiding.probability(stream);
         segment->gathered = Rgb(0);
         const bool gathers = guiding.gathers(p);
@@ -132,7 +146,7 @@ class Path : private PathLight {
         if (walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces)
             return false;
         const FieldRegion* region = region_at(p, FieldPart::volume);
-        const DirectionGuide guide = guide_in_volume(region, p);
+        const Guide guide = guide_in_volume(region, p);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
         if (!walk_.lit)
             light_volume(p, phase, guide);
@@ -146,8 +160,7 @@ class Path : private PathLight {
     }
 
     /// Goes on from a point in a volume.
-    bool leave_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide,
-                      const FieldRegion* region) {
+    bool leave_volume(Vec3f p, const PhaseMixture& phase, const Guide& guide, const FieldRegion* region) {
         const Vec3f wo = -walk_.ray.d;
         const Vec2f u = sampler_.next2();
         Vec3f wi;
@@ -169,7 +182,7 @@ class Path : private PathLight {
 
     bool meet_surface(const ShadingPoint& point) {
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
-        if (!kMedia && request_.features && walk_.first == First::none)
+        if (!k.media && request_.features && walk_.first == First::none)
             record_surface(scene_, point, out_, recorded_);
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
@@ -177,7 +190,7 @@ class Path : private PathLight {
             walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
         const FieldRegion* region =
             bsdf.has_smooth() && !exhausted ? region_at(point.p, part_facing(point.ng)) : nullptr;
-        const DirectionGuide guide = guide_at(region, point.p, kMostSurfaceWeight);
+        const Guide guide = guide_at(region, point.p, kMostSurfaceWeight);
         if (!exhausted && bsdf.has_smooth())
             light_surface(point, bsdf, guide);
         const int branches = exhausted ? 1 : roulette(region);
@@ -187,7 +200,7 @@ class Path : private PathLight {
     }
 
     /// Goes on from a surface, straight through it where it is transparent there.
-    bool leave_surface(const ShadingPoint& point, const Bsdf& bsdf, const DirectionGuide& guide,
+    bool leave_surface(const ShadingPoint& point, const Bsdf& bsdf, const Guide& guide,
                        const FieldRegion* region, bool exhausted) {
         const auto sample = sample_surface(point, bsdf, guide);
         if (!sample || is_zero(sample->weight))
@@ -217,7 +230,7 @@ class Path : private PathLight {
 
     /// A direction from the BSDF or the guide, whose densities are in drawn_; the sample's is that of both.
     std::optional<BsdfSample> sample_surface(const ShadingPoint& point, const Bsdf& bsdf,
-                                             const DirectionGuide& guide) {
+                                             const Guide& guide) {
         const Vec2f lobe_u = sampler_.next2(), u = sampler_.next2();
         if (!guide.active()) {
             const auto sample = bsdf.sample(point.wo, lobe_u.x, u);
@@ -246,6 +259,8 @@ class Path : private PathLight {
     /// How many branches leave a vertex: 1 where nothing is known of what they bring, and then plain roulette
     /// may still end the path.
     int roulette(const FieldRegion* region) {
+        if (!k.learning)
+            return 1;
         const auto expected = expected_branches(request_, region, mean(walk_.beta));
         walk_.weighed = expected.has_value();
         if (!expected)
@@ -271,7 +286,7 @@ class Path : private PathLight {
 
     /// Starts the next segment, unless Russian roulette ends the path.
     bool continue_from(const Departed& from, const FieldRegion* region) {
-        if (request_.field && (request_.teaches || request_.use.segments))
+        if (k.learning && request_.field && (request_.teaches || request_.use.segments))
             open_segment(from, region);
         else
             record_.leave();
@@ -292,7 +307,7 @@ class Path : private PathLight {
 
     void open_segment(const Departed& from, const FieldRegion* region) {
         std::optional<VspGuide> guide;
-        if (kMedia && region && request_.use.segments)
+        if (k.media && region && request_.use.segments)
             guide = region->vsp(from.wi);
         OpenSegment segment{SegmentGuiding(settings_, guide, mean(walk_.beta))};
         segment.vertex.p = from.vertex;
@@ -311,10 +326,10 @@ class Path : private PathLight {
     bool primary_done_ = false, recorded_ = false;
 };
 
-template <bool kMedia>
+template <KernelTraits k>
 PixelSample sample_path(const Scene& scene, const Settings& settings, const SampleRequest& request,
                         const Ray& ray, PathSampler& sampler, Workspace& ws) {
-    return Path<kMedia>(scene, settings, request, ray, sampler, ws).trace();
+    return Path<k>(scene, settings, request, ray, sampler, ws).trace();
 }
 
 }  // namespace
@@ -325,10 +340,50 @@ PixelSample sample_plain(const Scene&, const Settings&, const SampleRequest&, co
 Workspace::Workspace() = default;
 Workspace::~Workspace() = default;
 
-SampleFunction choose_kernel(const Settings& settings, const SceneFeatures& features) {
+namespace {
+
+/// The sets of traits that there is a kernel for, each with and without learning. What a scene has beyond one
+/// of them is rendered by the last, which has everything.
+constexpr KernelTraits kSurfaces{.media = false,
+                                 .overlap = false,
+                                 .emission = false,
+                                 .programs = false,
+                                 .chromatic = false,
+                                 .learning = false};
+constexpr KernelTraits kOneMedium{.overlap = false, .emission = false, .programs = false, .learning = false};
+constexpr KernelTraits kAnyMedia{.learning = false};
+
+template <KernelTraits k>
+Kernel kernel(bool learning) {
+    constexpr KernelTraits kLearning = with_learning(k);
+    return learning ? Kernel{sample_path<kLearning>, kLearning} : Kernel{sample_path<k>, k};
+}
+
+}  // namespace
+
+Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning) {
     if (settings.integrator == Settings::Integrator::plain)
-        return sample_plain;
-    return features.media ? sample_path<true> : sample_path<false>;
+        return {sample_plain, std::nullopt};
+    if (!features.media)
+        return kernel<kSurfaces>(learning);
+    if (!features.overlap && !features.volume_emission && !features.programs)
+        return kernel<kOneMedium>(learning);
+    return kernel<kAnyMedia>(learning);
+}
+
+std::vector<std::string> Kernel::list() const {
+    if (!traits)
+        return {"everything, plainly"};
+    std::vector<std::string> names{"surfaces"};
+    const auto add = [&](bool present, const char* name) {
+        if (present)
+            names.emplace_back(name);
+    };
+    add(traits->media, traits->overlap ? "overlapping media" : "one medium");
+    add(traits->media && traits->emission, "volume emission");
+    add(traits->media && traits->programs, "volume programs");
+    add(traits->learning, "learning");
+    return names;
 }
 
 }  // namespace nephele

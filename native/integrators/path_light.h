@@ -4,6 +4,8 @@
 // Where directions are guided, the weights are those of guided scattering.
 #pragma once
 
+#include <type_traits>
+
 #include "integrators/direct_light.h"
 #include "integrators/direction_guide.h"
 #include "integrators/path_record.h"
@@ -11,6 +13,7 @@
 
 namespace nephele {
 
+template <KernelTraits k>
 class PathLight {
   public:
     PathLight(const Scene& scene, const Settings& settings, const SampleRequest& request, const Ray& ray,
@@ -26,6 +29,7 @@ class PathLight {
 
   protected:
     using First = Walk::First;
+    using Guide = std::conditional_t<k.learning, DirectionGuide, NoDirectionGuide>;
     /// Bounds of the weight that guided directions in a row may come to: light that leaves a volume may have
     /// scattered tens of times there, on surfaces a few times.
     static constexpr float kMostVolumeWeight = 2, kMostSurfaceWeight = 4;
@@ -83,27 +87,29 @@ class PathLight {
     ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, walk_.ray, walk_.kind); }
 
     const FieldRegion* region_at(Vec3f p, FieldPart part) {
-        if (!request_.field || !request_.use.any())
+        if (!k.learning || !compiled::field || !request_.field || !request_.use.any())
             return nullptr;
         ++ws_.counters.field_queries;
         return request_.field->find(p, part);
     }
-    DirectionGuide guide_at(const FieldRegion* region, Vec3f p, float most_weight) const {
-        if (!region || !request_.use.directions)
-            return {};
-        // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a
-        // path whose weight has grown is guided less, and not at all from most_weight on.
-        return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / most_weight)};
+    Guide guide_at(const FieldRegion* region, Vec3f p, float most_weight) const {
+        if constexpr (k.learning) {
+            // Each guided direction may weigh up to 1 / (1 - share), and many in a row the product of that: a
+            // path whose weight has grown is guided less, and not at all from most_weight on.
+            if (region && request_.use.directions)
+                return {*region, p, std::min(region->guided_share, 1 - walk_.guided_weight / most_weight)};
+        }
+        return {};
     }
     /// The same for the media in ws_.tracking.shares.
-    DirectionGuide guide_in_volume(const FieldRegion* region, Vec3f p) const {
-        DirectionGuide guide = guide_at(region, p, kMostVolumeWeight);
+    Guide guide_in_volume(const FieldRegion* region, Vec3f p) const {
+        Guide guide = guide_at(region, p, kMostVolumeWeight);
         if (guide.active() && ws_.tracking.shares.size() == 1)
             guide.fold_in(ws_.tracking.shares[0].phase, walk_.ray.d);
         return guide;
     }
 
-    void light_volume(Vec3f p, const PhaseMixture& phase, const DirectionGuide& guide) {
+    void light_volume(Vec3f p, const PhaseMixture& phase, const Guide& guide) {
         const auto direct = sample_direct(scene_, p, kVolumeRay, walk_.bounces, sampler_);
         if (!direct)
             return;
@@ -112,7 +118,7 @@ class PathLight {
         add_direct(*direct, p, f, guide.mixed(pdf, direct->light.wi));
     }
 
-    void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const DirectionGuide& guide) {
+    void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const Guide& guide) {
         const auto direct = sample_direct(scene_, point.p, kDiffuseRay, walk_.bounces, sampler_);
         if (!direct)
             return;
@@ -130,7 +136,7 @@ class PathLight {
     }
 
     void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
-        const Rgb T = shadow_transmittance(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
+        const Rgb T = shadow_transmittance<k>(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
         if (is_zero(T))
             return;
         const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
@@ -168,7 +174,7 @@ class PathLight {
     const SampleRequest& request_;
     PathSampler& sampler_;
     Workspace& ws_;
-    PathRecord record_;
+    std::conditional_t<k.learning, PathRecord, NoPathRecord> record_;
 
     Walk walk_;
     PixelSample out_;

@@ -69,4 +69,18 @@ class PathRecord {
     std::uint64_t number_ = 0;  // of the next lesson of this path
 };
 
+/// Of a path that teaches nothing, and that nothing learned guides.
+class NoPathRecord {
+  public:
+    NoPathRecord(const SampleRequest&, Workspace&) {}
+
+    void open(const OpenSegment&, Rgb) {}
+    void start() {}
+    void leave() {}
+    static constexpr OpenSegment* current() { return nullptr; }
+    static constexpr std::size_t size() { return 0; }
+    void arrive(float) {}
+    void close(std::size_t, Rgb) {}
+};
+
 }  // namespace nephele

@@ -20,7 +20,7 @@ class SegmentGuiding {
 
     float beta() const { return beta_; }
     /// Whether the segment is guided at all.
-    bool active() const { return guide_.has_value(); }
+    bool active() const { return compiled::vsp && guide_.has_value(); }
     bool resamples() const { return settings_->distance_sampling == Settings::DistanceSampling::vspg; }
     /// Whether to walk this segment to its end and resample, where that is a matter of what pays.
     bool walks(Rng& rng) const {
@@ -29,13 +29,14 @@ class SegmentGuiding {
     }
 
     /// Walks ws.segment. beta: throughput at its start.
+    template <KernelTraits k>
     Stream walk(const Scene& scene, Rgb beta, bool weigh_lights, PathSampler& sampler, Workspace& ws) {
         const std::uint64_t lookups = ws.counters.density_lookups;
         std::optional<LightEstimate> lights;
         if (settings_->vsp_product && weigh_lights)
             lights = light_estimate(scene.lights(), ws.segment, sampler.rng());
-        StreamSampler sample(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
-                             sampler.rng(), ws.counters);
+        StreamSampler<k> sample(ws.segment, ws.tracking, *settings_, *guide_, lights ? &*lights : nullptr,
+                                sampler.rng(), ws.counters);
         const Stream stream = sample.run(beta);
         record_.walked = true;
         record_.weighed = lights.has_value();
@@ -84,9 +85,10 @@ class SegmentGuiding {
     }
 
     /// Samples the segment as paths do without guiding; updates beta.
+    template <KernelTraits k>
     Flight plain_flight(Rgb& beta, float distance, PathSampler& sampler, Workspace& ws) {
         const float before = mean(beta);
-        return noted(sample_flight(ws.segment, ws.tracking, *settings_, beta, sampler.rng(), ws.counters),
+        return noted(sample_flight<k>(ws.segment, ws.tracking, *settings_, beta, sampler.rng(), ws.counters),
                      before, beta, distance);
     }
 

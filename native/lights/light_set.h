@@ -30,6 +30,7 @@ class LightSet {
 
     std::size_t size() const { return lamps_.size() + meshes_.size() + (world_ ? 1 : 0); }
     bool empty() const { return direct_.empty() && tree_.empty(); }
+    std::size_t tree_bytes() const { return tree_.bytes(); }
 
     const std::vector<Lamp>& lamps() const { return lamps_; }
     const std::vector<MeshLight>& meshes() const { return meshes_; }

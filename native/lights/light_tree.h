@@ -27,6 +27,9 @@ class LightTree {
     LightTree(const std::vector<std::uint32_t>& lights, const std::vector<LightBounds>& bounds);
 
     bool empty() const { return nodes_.empty(); }
+    std::size_t bytes() const {
+        return nodes_.size() * sizeof(Node) + (lights_.size() + leaf_of_.size()) * sizeof(std::uint32_t);
+    }
     /// Weight of the whole tree at p, comparable with a light's importance.
     float importance(Vec3f p) const { return empty() ? 0 : weight(nodes_[0], p); }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "compiled/motion.h"
 #include "math/transform.h"
 
 namespace nephele {
@@ -37,7 +38,7 @@ class Motion {
     /// singular or there are too many.
     explicit Motion(std::span<const std::array<double, 16>> matrices);
 
-    bool moves() const { return !steps_.empty(); }
+    bool moves() const { return compiled::motion && !steps_.empty(); }
     /// The placement at equally spaced times.
     const std::vector<Transform>& steps() const { return steps_; }
     /// The placement at a time in [0, 1] of the shutter; only where it moves.

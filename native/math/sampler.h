@@ -82,9 +82,10 @@ constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
 constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
-/// Second Sobol dimension: its generator matrix is Pascal's triangle mod 2, applied by doubling.
-constexpr std::uint32_t second_dimension(std::uint32_t index) {
-    std::uint32_t x = reverse_bits(index);
+/// Second Sobol dimension of an index whose bits come reversed: its generator matrix is Pascal's triangle
+/// mod 2, applied by doubling.
+constexpr std::uint32_t second_dimension(std::uint32_t reversed_index) {
+    std::uint32_t x = reversed_index;
     x ^= x << 16;
     x ^= (x & 0x00ff00ffu) << 8;
     x ^= (x & 0x0f0f0f0fu) << 4;
@@ -104,6 +105,7 @@ class PathSampler {
     PathSampler(bool structured, std::uint64_t seed, std::uint32_t pixel, std::uint32_t sample)
         : pixel_seed_(hash_combine(seed, pixel)),
           sample_(sample),
+          reversed_sample_(sobol::reverse_bits(sample)),
           rng_(hash_combine(pixel_seed_, sample)),
           pairs_(structured ? kStructuredPairs : 0) {}
 
@@ -111,11 +113,13 @@ class PathSampler {
         if (pair_ >= pairs_)
             return rng_.next2();
         const std::uint64_t h = hash_combine(pixel_seed_, static_cast<std::uint64_t>(pair_++) + 0x5eed);
-        const std::uint32_t index = sobol::owen_scramble(sample_, static_cast<std::uint32_t>(h));
+        const std::uint32_t reversed_index =
+            sobol::laine_karras(reversed_sample_, static_cast<std::uint32_t>(h));
         const auto hx = static_cast<std::uint32_t>(mix_bits(h)),
                    hy = static_cast<std::uint32_t>(mix_bits(h + 1));
-        const std::uint32_t x = sobol::reverse_bits(sobol::laine_karras(index, hx));
-        const std::uint32_t y = sobol::owen_scramble(sobol::second_dimension(index), hy);
+        const std::uint32_t x =
+            sobol::reverse_bits(sobol::laine_karras(sobol::reverse_bits(reversed_index), hx));
+        const std::uint32_t y = sobol::owen_scramble(sobol::second_dimension(reversed_index), hy);
         return {unit_float(x), unit_float(y)};
     }
     float next() { return next2().x; }
@@ -131,7 +135,7 @@ class PathSampler {
 
   private:
     std::uint64_t pixel_seed_;
-    std::uint32_t sample_;
+    std::uint32_t sample_, reversed_sample_;
     Rng rng_;
     int pair_ = 0, pairs_;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "compiled/motion.h"
 #include "media/medium.h"
 
 namespace nephele {
@@ -47,13 +48,16 @@ struct Segment {
     std::vector<Crossing> crossings;  ///< scratch
 
     bool empty() const { return intervals.empty(); }
+    static bool moves(const Interval& interval) {
+        return compiled::motion && interval.rest != kStandsStill;
+    }
     /// Null where the interval's medium stands still.
     const RestRay* rest_of(const Interval& interval) const {
-        return interval.rest == kStandsStill ? nullptr : &rests[interval.rest];
+        return moves(interval) ? &rests[interval.rest] : nullptr;
     }
     /// The ray in the space in which the interval's medium is looked up.
     const Ray& ray_of(const Interval& interval) const {
-        return interval.rest == kStandsStill ? ray : rests[interval.rest].ray;
+        return moves(interval) ? rests[interval.rest].ray : ray;
     }
     /// Where a program computes the interval's medium at t.
     VolumePoint volume_point(const Interval& interval, float t) const {

@@ -29,7 +29,7 @@ struct Mesh {
     Buffer<float> motion_positions, motion_normals;
 
     std::size_t triangle_count() const { return triangles.size() / 3; }
-    bool deforms() const { return motion_steps > 0; }
+    bool deforms() const { return compiled::motion && motion_steps > 0; }
     Vec3f vertex(std::uint32_t triangle, int corner) const {
         return at(positions, 3 * vertex_number(triangle, corner));
     }
@@ -42,7 +42,7 @@ struct Mesh {
     /// A corner's normal, where it has one.
     Vec3f corner_normal(std::uint32_t triangle, int corner, float time) const {
         const std::size_t i = 9 * std::size_t{triangle} + 3 * static_cast<std::size_t>(corner);
-        return motion_normals.empty() ? at(corner_normals, i)
+        return !compiled::motion || motion_normals.empty() ? at(corner_normals, i)
                                       : moving(motion_normals, corner_normals.size(), i, time);
     }
     std::int32_t slot(std::uint32_t triangle) const {

@@ -102,6 +102,11 @@ void Scene::decide_features() {
     f.surfaces = !surfaces_->empty() || !dielectrics_->empty();
     f.nested_dielectrics = !dielectrics_->empty();
     for (const Instance& instance : source_.instances) {
+        const bool any = std::any_of(
+            instance.materials.begin(), instance.materials.end(),
+            [&](std::int32_t m) { return m < 0 || source_.materials[static_cast<std::size_t>(m)].surface; });
+        if (!any && instance.dielectric_priority == 0)
+            continue;  // it bounds a volume, and no ray looks for its faces
         f.hidden_surfaces |= (~instance.visibility & 0x3fu) != 0;
         for (const std::int32_t m : instance.materials) {
             if (m < 0)

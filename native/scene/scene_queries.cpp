@@ -85,7 +85,7 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     };
     const Instance* mover = nullptr;  // of the last rest ray: an object's regions follow each other
     const auto rest_of = [&](const Region& r) {
-        if (!r.mover)
+        if (!compiled::motion || !r.mover)
             return kStandsStill;
         if (r.mover != mover)
             out.rests.emplace_back(*(mover = r.mover), ray);
@@ -151,15 +151,19 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
                 c = mesh.vertex(hit.triangle, 2, ray.time);
     const Vec3f& w = point.barycentric;
     point.object_p = a * w.x + b * w.y + c * w.z;
-    Transform object_from_world = instance.object_from_world;
+    const Transform* object_from_world = &instance.object_from_world;
+    Transform moved;
     if (instance.motion.moves()) {
         const Transform world_from_object = instance.motion.at(ray.time);
-        object_from_world = inverse_of(world_from_object);
+        moved = inverse_of(world_from_object);
+        object_from_world = &moved;
         point.p = world_from_object.point(point.object_p);
     } else {
         point.p = instance.world_from_object.point(point.object_p);
     }
-    const auto world_normal = [&](Vec3f n) { return safe_normalize(object_from_world.transposed_vector(n)); };
+    const auto world_normal = [&](Vec3f n) {
+        return safe_normalize(object_from_world->transposed_vector(n));
+    };
     point.ng = world_normal(cross(b - a, c - a));
     point.ns = point.ng;
     if (!mesh.corner_normals.empty()) {

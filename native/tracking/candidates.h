@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "base/kernel_traits.h"
 #include "math/sampler.h"
 #include "media/segment.h"
 
@@ -23,7 +24,10 @@ struct Counters {
 /// exp(-sigma_t length), also for infinite lengths.
 inline Rgb homogeneous_transmittance(Rgb sigma_t, float length) {
     const auto one = [&](float s) { return s > 0 ? std::exp(-s * length) : 1.0f; };
-    return {one(sigma_t.x), one(sigma_t.y), one(sigma_t.z)};
+    const float x = one(sigma_t.x);
+    if (!compiled::chromatic || (sigma_t.y == sigma_t.x && sigma_t.z == sigma_t.x))  // an exp costs more
+        return Rgb(x);
+    return {x, one(sigma_t.y), one(sigma_t.z)};
 }
 
 /// The bounds of one interval, piece by piece. Bounds are of a scale that multiplies `unit()`: the density of
@@ -58,7 +62,10 @@ class MajorantTrack {
     /// Upper bound of the scale on the piece.
     float scale_majorant() const { return majorant_; }
     /// What a scale of 1 stands for.
-    Rgb unit() const { return medium().program ? Rgb(1) : medium().sigma_t; }
+    template <KernelTraits k = kEverything>
+    Rgb unit() const {
+        return k.programs && medium().program ? Rgb(1) : medium().sigma_t;
+    }
     /// Whether there is nothing on the whole piece.
     bool empty() const { return majorant_ == 0; }
     bool covers(float t) const { return interval_.t0 <= t && t <= interval_.t1; }
@@ -82,36 +89,39 @@ class MajorantTrack {
 
     /// Extinction at t of the current piece as a multiple of unit(): never above the piece's majorant, and in
     /// expectation over the random numbers what the grid's filter gives. For media with a program, RGB.
+    template <KernelTraits k = kEverything>
     Rgb scale(float t, Rng& rng, Counters& counters) const {
         const Medium& m = medium();
         if (!m.bounds)
             return Rgb(1);
         ++counters.density_lookups;
-        if (m.program)
+        if (k.programs && m.program)
             return within_bounds(m.program->coefficients(segment_->volume_point(interval_, t)).sigma_t,
                                  counters);
         return within_bounds(Rgb(m.grid->stochastic(m.filter, index_point(t), rng.next3())), counters);
     }
     /// Coefficients and phase function at t of the current piece, like scale().
+    template <KernelTraits k = kEverything>
     MediumPoint point(float t, Rng& rng, Counters& counters) const {
         const Medium& m = medium();
-        if (m.program) {
+        if (k.programs && m.program) {
             ++counters.density_lookups;
             const MediumPoint point = m.program->coefficients(segment_->volume_point(interval_, t));
             within_bounds(point.sigma_t, counters);
             return point;
         }
-        const float density = scale(t, rng, counters).x;
+        const float density = scale<k>(t, rng, counters).x;
         return {m.sigma_s * density, m.sigma_t * density, m.phase};
     }
     /// Emission at t of the current piece, W/(m^3 sr).
+    template <KernelTraits k = kEverything>
     Rgb emission(float t, Rng& rng, Counters& counters) const {
         const Medium& m = medium();
-        if (m.program) {
+        if (k.programs && m.program) {
             ++counters.density_lookups;
             return m.program->emission(segment_->volume_point(interval_, t));
         }
-        return m.density_scales_emission ? m.emission * scale(t, rng, counters).x : m.emission;
+        return m.density_scales_emission ? m.emission * scale<k>(t, rng, counters).x : m.emission;
     }
 
   private:
@@ -135,9 +145,22 @@ class MajorantTrack {
 
 /// Walks the pieces of several overlapping intervals from t on. `piece(t0, t1, majorant)` is called for every
 /// stretch on which the tracks and their bounds stay the same, with the sum of the majorants of the tracks
-/// that are active there; it returns false to stop. The last t1 may be infinite.
-template <class Piece>
+/// that are active there; it returns false to stop. The last t1 may be infinite. Where nothing overlaps, the
+/// tracks come in order, the current one is the first, and what lies between two is left out.
+template <KernelTraits k = kEverything, class Piece>
 void for_each_piece(std::vector<MajorantTrack>& tracks, float t, Piece&& piece) {
+    if constexpr (!k.overlap) {
+        for (std::size_t i = 0; i < tracks.size(); ++i) {
+            MajorantTrack& track = tracks.front();
+            if (i > 0)
+                track = tracks[i];
+            for (t = track.interval().t0; track.advance(); t = track.piece_end()) {
+                if (!piece(t, track.piece_end(), track.majorant()) || track.piece_end() == kInfinity)
+                    return;
+            }
+        }
+        return;
+    }
     for (;;) {
         float end = kInfinity, majorant = 0;
         bool any = false;
@@ -167,11 +190,11 @@ void for_each_piece(std::vector<MajorantTrack>& tracks, float t, Piece&& piece) 
 /// events (candidates and piece ends), `candidate(t, rate, tracks)` for every candidate; it returns false to
 /// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t.
 /// `next_depth()` draws the optical depth to the next candidate: exponential of rate 1 for a Poisson process.
-template <class NextDepth, class Piece, class Candidate>
+template <KernelTraits k = kEverything, class NextDepth, class Piece, class Candidate>
 void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float scale, NextDepth&& next_depth,
                         Piece&& piece, Candidate&& candidate) {
     float tau = next_depth();
-    for_each_piece(tracks, start, [&](float t, float end, float majorant) {
+    for_each_piece<k>(tracks, start, [&](float t, float end, float majorant) {
         const float rate = majorant * scale;
         while (rate * (end - t) > tau) {
             const float at = std::min(t + tau / rate, end);

@@ -14,21 +14,23 @@ namespace detail {
 
 /// What a track's medium is sure to hold on the current piece. A program's albedo has no lower bound: its
 /// media have no control part.
-inline MediumPoint control_of(const MajorantTrack& track) {
+template <KernelTraits k>
+MediumPoint control_of(const MajorantTrack& track) {
     const Medium& m = track.medium();
-    if (m.program)
+    if (k.programs && m.program)
         return {};
     return {m.sigma_s * track.minorant(), m.sigma_t * track.minorant(), m.phase};
 }
 
 /// Sum of the control parts at t. `share`: fills scratch.shares with them.
-inline Coefficients control_at(TrackingScratch& scratch, float t, bool share) {
+template <KernelTraits k>
+Coefficients control_at(TrackingScratch& scratch, float t, bool share) {
     Coefficients sum;
     scratch.shares.clear();
-    for (const MajorantTrack& track : scratch.tracks) {
+    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         if (!track.covers(t) || track.minorant() == 0)
             continue;
-        const MediumPoint control = control_of(track);
+        const MediumPoint control = control_of<k>(track);
         sum.add(control.sigma_s, control.sigma_t);
         if (share && !is_zero(control.sigma_s))
             scratch.shares.push_back({control.sigma_s, control.phase});
@@ -37,13 +39,14 @@ inline Coefficients control_at(TrackingScratch& scratch, float t, bool share) {
 }
 
 /// Sum of the residual parts at t; fills scratch.shares with them.
-inline Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Counters& counters) {
+template <KernelTraits k>
+Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Counters& counters) {
     Coefficients sum;
     scratch.shares.clear();
-    for (const MajorantTrack& track : scratch.tracks) {
+    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         if (!track.covers(t) || track.minorant() == track.scale_majorant() || !track.medium().interacts())
             continue;  // there is no rest
-        const MediumPoint control = control_of(track), all = track.point(t, rng, counters);
+        const MediumPoint control = control_of<k>(track), all = track.point<k>(t, rng, counters);
         const Rgb sigma_s = max(all.sigma_s - control.sigma_s, Rgb(0));
         const Rgb sigma_t = max(all.sigma_t - control.sigma_t, Rgb(0));
         if (is_zero(sigma_t))
@@ -56,12 +59,13 @@ inline Coefficients residual_at(TrackingScratch& scratch, float t, Rng& rng, Cou
 
 }  // namespace detail
 
-inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bool global_majorant,
-                                   Rgb& beta, Rng& rng, Counters& counters) {
+template <KernelTraits k = kEverything>
+Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bool global_majorant, Rgb& beta,
+                            Rng& rng, Counters& counters) {
     Flight flight;
     scratch.start(segment, false, global_majorant);
     const auto event = [&](float t, float majorant) {
-        const auto control = detail::control_at(scratch, t, false);
+        const auto control = detail::control_at<k>(scratch, t, false);
         const Rgb above = max(Rgb(majorant) - control.sigma_t, Rgb(0));
         // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
         const float before = mean(beta), known = mean(beta * control.sigma_t_scattering),
@@ -70,12 +74,12 @@ inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scra
             return detail::absorb(flight, t);
         const float p_control = known / (known + rest);
         if (rng.next() < p_control) {
-            detail::control_at(scratch, t, true);
+            detail::control_at<k>(scratch, t, true);
             beta *= control.sigma_s / (majorant * p_control);
             detail::meet(flight, t, control, false, before, beta, rng);
             return false;
         }
-        const auto residual = detail::residual_at(scratch, t, rng, counters);
+        const auto residual = detail::residual_at<k>(scratch, t, rng, counters);
         const Rgb sigma_n = max(above - residual.sigma_t, Rgb(0));
         const float real = mean(beta * residual.sigma_t_scattering), null = mean(beta * sigma_n);
         if (real + null == 0)
@@ -89,7 +93,7 @@ inline Flight decomposition_flight(const Segment& segment, TrackingScratch& scra
         detail::meet(flight, t, residual, false, before, beta, rng);
         return false;
     };
-    return detail::fly(segment, scratch, flight, beta, rng, counters, event);
+    return detail::fly<k>(segment, scratch, flight, beta, rng, counters, event);
 }
 
 }  // namespace nephele

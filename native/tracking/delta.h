@@ -11,12 +11,13 @@
 
 namespace nephele {
 
-inline Flight delta_flight(const Segment& segment, TrackingScratch& scratch, bool analog,
-                           bool global_majorant, Rgb& beta, Rng& rng, Counters& counters) {
+template <KernelTraits k = kEverything>
+Flight delta_flight(const Segment& segment, TrackingScratch& scratch, bool analog, bool global_majorant,
+                    Rgb& beta, Rng& rng, Counters& counters) {
     Flight flight;
     scratch.start(segment, analog, global_majorant);
     const auto event = [&](float t, float majorant) {
-        const auto c = detail::coefficients_at(scratch, t, rng, counters);
+        const auto c = detail::coefficients_at<k>(scratch, t, rng, counters);
         const Rgb sigma_n = max(Rgb(majorant) - c.sigma_t, Rgb(0));
         // Over the sum of both, so that an event of no weight has no chance, whatever the rounding.
         const float before = mean(beta), null = mean(beta * sigma_n);
@@ -32,7 +33,7 @@ inline Flight delta_flight(const Segment& segment, TrackingScratch& scratch, boo
         detail::meet(flight, t, c, analog, before, beta, rng);
         return false;
     };
-    return detail::fly(segment, scratch, flight, beta, rng, counters, event);
+    return detail::fly<k>(segment, scratch, flight, beta, rng, counters, event);
 }
 
 }  // namespace nephele

@@ -3,6 +3,8 @@
 // methods (delta.h, decomposition.h) share: the result, the media at a candidate, emission on the way.
 #pragma once
 
+#include <span>
+
 #include "tracking/candidates.h"
 
 namespace nephele {
@@ -53,6 +55,15 @@ struct TrackingScratch {
 
 namespace detail {
 
+/// The tracks of which some may be active.
+template <KernelTraits k>
+std::span<const MajorantTrack> active_tracks(const TrackingScratch& scratch) {
+    if constexpr (k.overlap)
+        return scratch.tracks;
+    else
+        return {scratch.tracks.data(), 1};
+}
+
 /// Of all media at a point; sigma_t_scattering: of those that scatter there.
 struct Coefficients {
     Rgb sigma_s, sigma_t, sigma_t_scattering;
@@ -66,13 +77,14 @@ struct Coefficients {
 };
 
 /// Sum of the coefficients of the tracks active at t; fills scratch.shares.
-inline Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng, Counters& counters) {
+template <KernelTraits k = kEverything>
+Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng, Counters& counters) {
     Coefficients sum;
     scratch.shares.clear();
-    for (const MajorantTrack& track : scratch.tracks) {
+    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         if (!track.covers(t) || track.empty() || !track.medium().interacts())
             continue;
-        const MediumPoint m = track.point(t, rng, counters);
+        const MediumPoint m = track.point<k>(t, rng, counters);
         if (is_zero(m.sigma_t))
             continue;
         sum.add(m.sigma_s, m.sigma_t);
@@ -82,20 +94,20 @@ inline Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng,
 }
 
 /// Emission of the stretch [t0, t1], on which no event happened: one point stands for it.
-inline Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, Rng& rng,
-                            Counters& counters) {
+template <KernelTraits k = kEverything>
+Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, Rng& rng, Counters& counters) {
     Rgb sum;
-    if (!(t1 < kInfinity))
+    if (!k.emission || !(t1 < kInfinity))
         return sum;
     float t = -1;
-    for (const MajorantTrack& track : scratch.tracks) {
+    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         const Medium& m = track.medium();
         const bool dark = track.empty() && (m.density_scales_emission || m.program);
         if (track.interval().t0 > t0 || !m.emits() || dark)
             continue;
         if (t < 0)
             t = lerp(t0, t1, rng.next());
-        sum += track.emission(t, rng, counters) * (t1 - t0);
+        sum += track.emission<k>(t, rng, counters) * (t1 - t0);
     }
     return scratch.absorbers.empty() || t < 0 ? sum : sum * scratch.absorbed_to(t);
 }
@@ -104,11 +116,12 @@ inline Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, 
 /// to get away, and the others are sure not to: decides between the two and leaves beta with the channels
 /// decided for. Returns where the path gets to, or nothing where it does not get away so. Without this, a
 /// path of an untouched channel would meet null collisions for ever.
-inline std::optional<float> escape_deep_media(const TrackingScratch& scratch, float t, Rgb& beta, Rng& rng) {
+template <KernelTraits k = kEverything>
+std::optional<float> escape_deep_media(const TrackingScratch& scratch, float t, Rgb& beta, Rng& rng) {
     constexpr float kOpaque = 104;  // exp(-kOpaque) is 0 in single precision
     const float end = scratch.tracks.front().piece_end();
     Rgb sigma_t;
-    for (const MajorantTrack& track : scratch.tracks) {
+    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         if (track.medium().bounds || track.piece_end() != end || t < track.interval().t0)
             return std::nullopt;
         sigma_t += track.medium().sigma_t;
@@ -154,23 +167,23 @@ inline bool absorb(Flight& flight, float t) {
 
 /// The loop of all methods. `event(t, majorant)` decides what happens at a candidate: it updates beta and the
 /// flight, and returns whether the path goes on.
-template <class Event>
+template <KernelTraits k, class Event>
 Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, Rgb& beta, Rng& rng,
            Counters& counters, Event&& event) {
     const auto gather = [&](float t0, float t1) {
-        const Rgb emitted = emission_between(scratch, t0, t1, rng, counters);
+        const Rgb emitted = emission_between<k>(scratch, t0, t1, rng, counters);
         if (!is_zero(emitted))
             flight.emitted += beta * emitted;
     };
     const auto next_depth = [&] { return rng.next_exponential(); };
-    for_each_candidate(scratch.tracks, segment.ray.t_min, 1, next_depth, gather,
-                       [&](float t, float majorant, const auto&) {
-                           if (const auto end = escape_deep_media(scratch, t, beta, rng)) {
-                               gather(t, *end);
-                               return false;
-                           }
-                           return event(t, majorant);
-                       });
+    for_each_candidate<k>(scratch.tracks, segment.ray.t_min, 1, next_depth, gather,
+                          [&](float t, float majorant, const auto&) {
+                              if (const auto end = escape_deep_media<k>(scratch, t, beta, rng)) {
+                                  gather(t, *end);
+                                  return false;
+                              }
+                              return event(t, majorant);
+                          });
     if (!scratch.absorbers.empty())
         beta *= scratch.absorbed_to(flight.event == Flight::Event::passed ? segment.ray.t_max : flight.t);
     if (is_zero(beta))

@@ -9,18 +9,19 @@
 namespace nephele {
 
 /// Samples a flight through the segment and updates beta.
-inline Flight sample_flight(const Segment& segment, TrackingScratch& scratch, const Settings& settings,
-                            Rgb& beta, Rng& rng, Counters& counters) {
+template <KernelTraits k = kEverything>
+Flight sample_flight(const Segment& segment, TrackingScratch& scratch, const Settings& settings, Rgb& beta,
+                     Rng& rng, Counters& counters) {
     const bool global = settings.majorant == Settings::Majorant::global;
     switch (settings.tracking) {
         case Settings::Tracking::decomposition:
-            return decomposition_flight(segment, scratch, global, beta, rng, counters);
+            return decomposition_flight<k>(segment, scratch, global, beta, rng, counters);
         case Settings::Tracking::delta:
-            return delta_flight(segment, scratch, true, global, beta, rng, counters);
+            return delta_flight<k>(segment, scratch, true, global, beta, rng, counters);
         case Settings::Tracking::weighted_delta:
             break;
     }
-    return delta_flight(segment, scratch, false, global, beta, rng, counters);
+    return delta_flight<k>(segment, scratch, false, global, beta, rng, counters);
 }
 
 }  // namespace nephele

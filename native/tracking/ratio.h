@@ -3,6 +3,8 @@
 // majorant over the candidates.
 #pragma once
 
+#include <type_traits>
+
 #include "tracking/candidates.h"
 
 namespace nephele {
@@ -11,9 +13,10 @@ namespace detail {
 
 /// Once no channel of a transmittance exceeds this, Russian roulette goes on with T / threshold: unbiased,
 /// and it bounds the walk in dense media. False where the walk ends.
-inline bool survives_roulette(Rgb& T, Rng& rng) {
+template <class Transmittance>
+bool survives_roulette(Transmittance& T, Rng& rng) {
     constexpr float kThreshold = 0.05f;
-    const float largest = max_component(T);
+    const float largest = max_component(Rgb(T));
     if (largest >= kThreshold)
         return true;
     const float survive = largest / kThreshold;
@@ -26,23 +29,28 @@ inline bool survives_roulette(Rgb& T, Rng& rng) {
 }  // namespace detail
 
 /// Unbiased estimate of exp(-integral of sigma_t) over the track's interval.
-inline Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters) {
-    Rgb T(1);
+template <KernelTraits k = kEverything>
+Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters) {
+    std::conditional_t<k.chromatic, Rgb, float> T(1);
     float t = track.interval().t0, tau = rng.next_exponential();
     while (track.advance()) {
         const float end = track.piece_end(), majorant = track.majorant();
-        const Rgb unit = track.unit() / std::max(majorant, 1e-30f);
+        const Rgb unit = track.unit<k>() / std::max(majorant, 1e-30f);
         while (majorant * (end - t) > tau) {
             t = std::min(t + tau / majorant, end);
             tau = rng.next_exponential();
-            T *= max(Rgb(1) - unit * track.scale(t, rng, counters), Rgb(0));
+            const Rgb scale = track.scale<k>(t, rng, counters);
+            if constexpr (k.chromatic)
+                T *= max(Rgb(1) - unit * scale, Rgb(0));
+            else
+                T *= std::max(1 - unit.x * scale.x, 0.0f);
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
         tau -= majorant * (end - t);
         t = end;
     }
-    return T;
+    return Rgb(T);
 }
 
 }  // namespace nephele

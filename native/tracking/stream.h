@@ -31,6 +31,7 @@ struct Stream {
     float plain_lookups = 0;   ///< that delta tracking is expected to need on the segment
 };
 
+template <KernelTraits k = kEverything>
 class StreamSampler {
   public:
     StreamSampler(const Segment& segment, TrackingScratch& scratch, const Settings& settings,
@@ -58,7 +59,7 @@ class StreamSampler {
         scratch_.picked.clear();
         tau_ = rng_.next_exponential();
         tau_virtual_ = rng_.next_exponential();
-        for_each_piece(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
+        for_each_piece<k>(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
             return nothing_varies(t0) ? constant_piece(t0, t1) : varying_piece(t0, t1, majorant);
         });
         finish(beta);
@@ -75,10 +76,11 @@ class StreamSampler {
     Ahead look_ahead(bool global) {
         Ahead ahead;
         scratch_.start(segment_, true, global);
-        for_each_piece(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
+        for_each_piece<k>(scratch_.tracks, segment_.ray.t_min, [&](float t0, float t1, float majorant) {
             if (nothing_varies(t0)) {
-                ahead.scatters_surely |= std::any_of(
-                    scratch_.tracks.begin(), scratch_.tracks.end(), [&](const MajorantTrack& track) {
+                const auto tracks = detail::active_tracks<k>(scratch_);
+                ahead.scatters_surely |=
+                    std::any_of(tracks.begin(), tracks.end(), [&](const MajorantTrack& track) {
                         return track.interval().t0 <= t0 && !is_zero(track.medium().sigma_s);
                     });
             } else if (majorant > 0) {
@@ -93,7 +95,8 @@ class StreamSampler {
     bool nothing_varies(float t) const {
         if (!any_constant_)
             return false;
-        return std::none_of(scratch_.tracks.begin(), scratch_.tracks.end(), [&](const MajorantTrack& track) {
+        const auto tracks = detail::active_tracks<k>(scratch_);
+        return std::none_of(tracks.begin(), tracks.end(), [&](const MajorantTrack& track) {
             return track.interval().t0 <= t && track.medium().bounds;
         });
     }
@@ -127,7 +130,7 @@ class StreamSampler {
     }
 
     void gather(float t0, float t1) {
-        const Rgb emitted = detail::emission_between(scratch_, t0, t1, rng_, counters_);
+        const Rgb emitted = detail::emission_between<k>(scratch_, t0, t1, rng_, counters_);
         if (!is_zero(emitted))
             out_.emitted += T_ * emitted;
     }
@@ -156,11 +159,12 @@ class StreamSampler {
     float tau_ = 0, tau_virtual_ = 0;  // optical depths to the next candidates
 };
 
-inline bool StreamSampler::constant_piece(float t0, float t1) {
+template <KernelTraits k>
+bool StreamSampler<k>::constant_piece(float t0, float t1) {
     detail::Coefficients c;
     Rgb emission;
     scratch_.shares.clear();
-    for (const MajorantTrack& track : scratch_.tracks) {
+    for (const MajorantTrack& track : detail::active_tracks<k>(scratch_)) {
         if (track.interval().t0 > t0)
             continue;
         const Medium& m = track.medium();
@@ -185,7 +189,8 @@ inline bool StreamSampler::constant_piece(float t0, float t1) {
     return !is_zero(T_);
 }
 
-inline void StreamSampler::offer_constant(float t0, float length, const detail::Coefficients& c) {
+template <KernelTraits k>
+void StreamSampler<k>::offer_constant(float t0, float length, const detail::Coefficients& c) {
     const Rgb integrals = scattered(T_, c, length);
     const float weight = mean(integrals);
     const float s = sample_constant(c.sigma_t, length, integrals, rng_.next(), rng_.next());
@@ -195,7 +200,8 @@ inline void StreamSampler::offer_constant(float t0, float length, const detail::
         offer(t0 + s, value * (weight / largest), weight, c);
 }
 
-inline void StreamSampler::offer_constant_near_lights(float t0, float t1, const detail::Coefficients& c) {
+template <KernelTraits k>
+void StreamSampler<k>::offer_constant_near_lights(float t0, float t1, const detail::Coefficients& c) {
     constexpr int kEach = 2;  // candidates by either way; each is weighed by the densities of both
     const float length = t1 - t0;
     const Rgb integrals = scattered(T_, c, length);
@@ -224,7 +230,8 @@ inline void StreamSampler::offer_constant_near_lights(float t0, float t1, const 
     }
 }
 
-inline bool StreamSampler::varying_piece(float t0, float t1, float majorant) {
+template <KernelTraits k>
+bool StreamSampler<k>::varying_piece(float t0, float t1, float majorant) {
     out_.majorant_depth += majorant * (t1 - t0);
     if (majorant == 0) {
         gather(t0, t1);
@@ -259,9 +266,10 @@ inline bool StreamSampler::varying_piece(float t0, float t1, float majorant) {
     }
 }
 
-inline void StreamSampler::candidate(float t, float rate) {
+template <KernelTraits k>
+void StreamSampler<k>::candidate(float t, float rate) {
     out_.plain_lookups += mean(T_) / scale_here();
-    const auto c = detail::coefficients_at(scratch_, t, rng_, counters_);
+    const auto c = detail::coefficients_at<k>(scratch_, t, rng_, counters_);
     const Rgb value = T_ * c.sigma_s / rate;
     offer(t, value, mean(value) * (lights_ ? lights_->at(t) : 1), c);
     T_ *= max(Rgb(1) - c.sigma_t / rate, Rgb(0));
@@ -269,7 +277,8 @@ inline void StreamSampler::candidate(float t, float rate) {
 
 /// Russian roulette where what is still to come cannot matter against what was found, by what is known:
 /// unbiased, and it bounds the walk in dense media without a limit to its steps.
-inline bool StreamSampler::survives() {
+template <KernelTraits k>
+bool StreamSampler<k>::survives() {
     // A stream that ends has to scatter: where a target is to be met, only what passes next to never may end.
     const float negligible = settings_.vsp_control == Settings::VspControl::exact ? 1e-5f : 0.1f;
     const float volume = guide_.volume_radiance * (lights_ ? lights_->largest() : 1);

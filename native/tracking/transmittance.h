@@ -10,8 +10,8 @@
 namespace nephele {
 
 /// Unbiased estimate of exp(-integral of sigma_t) along the segment.
-inline Rgb estimate_transmittance(const Segment& segment, const Settings& settings, Rng& rng,
-                                  Counters& counters) {
+template <KernelTraits k = kEverything>
+Rgb estimate_transmittance(const Segment& segment, const Settings& settings, Rng& rng, Counters& counters) {
     const bool global = settings.majorant == Settings::Majorant::global;
     Rgb T(1);
     for (const Interval& interval : segment.intervals) {
@@ -24,7 +24,7 @@ inline Rgb estimate_transmittance(const Segment& segment, const Settings& settin
             const MajorantTrack track(interval, segment, global);
             switch (settings.transmittance) {
                 case Settings::Transmittance::ratio:
-                    T *= ratio_transmittance(track, rng, counters);
+                    T *= ratio_transmittance<k>(track, rng, counters);
                     break;
                 case Settings::Transmittance::residual_ratio:
                     T *= residual_ratio_transmittance(track, rng, counters);

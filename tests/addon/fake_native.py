@@ -29,7 +29,8 @@ def build_info():
 
 
 def scene_features(scene):
-    return {"kernel_features": ["mesh"] if scene.meshes else [], "left_out": ["volume"]} | FIELD
+    features = ["mesh"] if scene.meshes else []
+    return {"kernel_features": features, "left_out": ["volume"], "kernel": ["surfaces"]} | FIELD
 
 
 SceneParts = object
@@ -107,6 +108,8 @@ class Renderer:
         return {
             "kernel_features": ["mesh"],
             "left_out": [],
+            "kernel": ["surfaces"],
+            "memory": {"film": 0, "learning": 0, "light_tree": 0},
             "rays": 10 * self.done,
             "path_segments": 10 * self.done,
             "density_lookups": 20 * self.done,

@@ -3,6 +3,8 @@
 
 import numpy as np
 import pytest
+from nephele import description
+from nephele.export import needs
 from programs import NAMES, Tree, with_nodes
 
 
@@ -31,13 +33,18 @@ def compile_with(tree, image, **properties):
     return material, row
 
 
+def images_of(tree, material):
+    """Returns the images that a material reads."""
+    return tree.context.read_images(needs.images_read((material,), description.World()))
+
+
 PIXELS = np.arange(24).reshape(2, 3, 4) / 255.0
 
 
 @pytest.mark.parametrize(("space", "srgb"), [("sRGB", True), ("Non-Color", False)])
 def test_byte_image(bpy, tree, space, srgb):
-    compile_with(tree, make_image(bpy, PIXELS, space=space))
-    (image,) = tree.context.images
+    material, _ = compile_with(tree, make_image(bpy, PIXELS, space=space))
+    (image,) = images_of(tree, material)
     assert (image.pixels.dtype, image.srgb) == (np.uint8, srgb)
     assert np.array_equal(image.pixels, np.arange(24).reshape(2, 3, 4))  # bottom row first, as in Blender
     assert tree.warnings == []
@@ -45,8 +52,8 @@ def test_byte_image(bpy, tree, space, srgb):
 
 def test_float_image_is_linear_with_straight_alpha(bpy, tree):
     premultiplied = np.array([[[0.5, 0.25, 0.0, 0.5], [4.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]]])
-    compile_with(tree, make_image(bpy, premultiplied, is_float=True, space="Non-Color"))
-    (image,) = tree.context.images
+    material, _ = compile_with(tree, make_image(bpy, premultiplied, is_float=True, space="Non-Color"))
+    (image,) = images_of(tree, material)
     assert (image.pixels.dtype, image.srgb) == (np.float32, False)
     assert np.allclose(image.pixels[0], [[1.0, 0.5, 0.0, 0.5], [4, 0, 0, 1], [0, 0, 0, 0]])
 
@@ -58,16 +65,16 @@ def test_image_is_shared(bpy, tree):
     tree.link(nodes[0].outputs["Color"], mix.inputs[6])
     tree.link(nodes[1].outputs["Alpha"], mix.inputs[7])
     tree.link(mix.outputs[2], tree.emission.inputs["Color"])
-    program = tree.compile().surface
-    assert len(tree.context.images) == 1
-    assert [NAMES[row[0]] for row in program.code.tolist()].count("uv") == 1
+    material = tree.compile()
+    assert len(images_of(tree, material)) == 1
+    assert [NAMES[row[0]] for row in material.surface.code.tolist()].count("uv") == 1
 
 
 def test_missing_file_is_magenta_and_warns(bpy, tree):
     image = bpy.data.images.new("Lost", 4, 4)
     image.source, image.filepath = "FILE", "/nowhere/lost.png"
-    compile_with(tree, image)
-    assert np.allclose(tree.context.images[0].pixels, (1, 0, 1, 1))
+    material, _ = compile_with(tree, image)
+    assert np.allclose(images_of(tree, material)[0].pixels, (1, 0, 1, 1))
     (warning,) = tree.warnings
     assert "node 'Image Texture': image 'Lost' (/nowhere/lost.png) cannot be read" in warning
 
@@ -96,8 +103,8 @@ def test_lookups_that_we_lack_warn(bpy, tree, properties):
 def test_packed_image(bpy, tree):
     image = make_image(bpy, PIXELS)
     image.pack()
-    compile_with(tree, image)
-    assert np.array_equal(tree.context.images[0].pixels, np.arange(24).reshape(2, 3, 4))
+    material, _ = compile_with(tree, image)
+    assert np.array_equal(images_of(tree, material)[0].pixels, np.arange(24).reshape(2, 3, 4))
 
 
 def test_environment_in_the_world(bpy, export):

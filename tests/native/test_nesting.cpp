@@ -170,7 +170,7 @@ Mean radiance(const Scene& scene, const Ray& ray, int samples) {
     Settings settings;
     settings.max_bounces = settings.surface_bounces = settings.volume_bounces = 1000;
     settings.roulette_depth = 1000;
-    const SampleFunction sample = choose_kernel(settings, scene.features());
+    const SampleFunction sample = choose_kernel(settings, scene.features()).sample;
     Workspace ws;
     Mean mean;
     for (int n = 0; n < samples; ++n) {

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What finished programs read: images, UV maps and attributes that no program reads are not exported.
+
+While node trees are compiled, more is named than is read in the end: a branch of weight 0 is left out.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from .. import opcodes
+
+OPS = list(opcodes.OPCODES)
+IMAGE_OPS = [OPS.index(name) for name in ("image", "image_alpha", "environment", "environment_mirror_ball")]
+UV_OPS = [OPS.index(name) for name in ("uv", "normal_map")]
+ATTRIBUTE_OPS = [OPS.index(name) for name in ("attribute", "attribute_alpha")]
+PARAMETER, MODE = 6, 7  # columns of an instruction
+
+
+def layers_read(program, uvs, attributes):
+    """Returns the parts of `uvs` and `attributes` (name -> number) that the program reads."""
+
+    def read(layers, ops):
+        numbers = set(program.code[np.isin(program.code[:, 0], ops), MODE].tolist())
+        return {name: number for name, number in layers.items() if number in numbers}
+
+    return read(uvs, UV_OPS), read(attributes, ATTRIBUTE_OPS)
+
+
+def images_read(materials, world):
+    """Returns the numbers of the images that the programs of materials and world read, in order."""
+    programs = [
+        program
+        for block in (*materials, world)
+        for program in (_surface(block), *(closure.program for closure in block.volume))
+        if program is not None
+    ]
+    return sorted({number for program in programs for number in _image_numbers(program).tolist()})
+
+
+def renumbered(block, places):
+    """Returns a Material or World whose programs read image places[n] in place of image n."""
+    field = "surface" if hasattr(block, "surface") else "background"
+    surface = _with_images(_surface(block), places)
+    programs = [_with_images(closure.program, places) for closure in block.volume]
+    if surface is _surface(block) and all(
+        p is c.program for p, c in zip(programs, block.volume, strict=True)
+    ):
+        return block
+    volume = tuple(
+        dataclasses.replace(closure, program=program)
+        for closure, program in zip(block.volume, programs, strict=True)
+    )
+    return dataclasses.replace(block, **{field: surface}, volume=volume)
+
+
+def _surface(block):
+    return block.surface if hasattr(block, "surface") else block.background
+
+
+def _image_rows(program):
+    return np.flatnonzero(np.isin(program.code[:, 0], IMAGE_OPS))
+
+
+def _image_numbers(program):
+    return program.parameters[program.code[_image_rows(program), PARAMETER]].astype(int)
+
+
+def _with_images(program, places):
+    """The new numbers are appended: other instructions may share the old parameters."""
+    if program is None:
+        return None
+    rows, numbers = _image_rows(program), _image_numbers(program)
+    new = np.array([places[number] for number in numbers.tolist()], np.float32)
+    if np.array_equal(new, numbers):
+        return program
+    code = program.code.copy()
+    code[rows, PARAMETER] = len(program.parameters) + np.arange(len(rows))
+    return dataclasses.replace(program, code=code, parameters=np.append(program.parameters, new))
