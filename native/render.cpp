@@ -69,12 +69,24 @@ void check_plain(const Settings& settings, const Scene& scene) {
     }
 }
 
+FilmSource checked(FilmSource f) {
+    const bool good =
+        f.x0 >= 0 && f.y0 >= 0 && f.x0 < f.x1 && f.y0 < f.y1 && f.x1 <= f.width && f.y1 <= f.height;
+    if (!good) {
+        throw std::invalid_argument(
+            "the film is " + std::to_string(f.width) + " x " + std::to_string(f.height) +
+            " pixels, and the part to render is no part of that; set a resolution of at "
+            "least 1 x 1 and a region inside it");
+    }
+    return f;
+}
+
 }  // namespace
 
 Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource frame)
     : scene_(std::move(scene)),
       settings_(settings),
-      frame_(std::move(frame)),
+      frame_(checked(std::move(frame))),
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes, film_needs()),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       kernel_(choose_kernel(settings, scene_->features())),

@@ -92,9 +92,9 @@ nb::list uses(const Techniques& techniques) {
 
 class Renderer {
   public:
-    explicit Renderer(nb::handle description) : settings_(settings_of(description.attr("settings"))) {
+    explicit Renderer(nb::handle description) : settings_(settings_of(description)) {
         SceneSource source = scene_source_of(description);
-        FilmSource film = film_source_of(description.attr("film"));
+        FilmSource film = film_source_of(description);
         const nb::gil_scoped_release release;
         const auto begin = std::chrono::steady_clock::now();
         scene_ = std::make_shared<const Scene>(std::move(source), settings_);
@@ -194,7 +194,7 @@ void bind_renderer(nb::module_& m) {
     m.def(
         "scene_features",
         [](nb::handle description) {
-            const Settings settings = settings_of(description.attr("settings"));
+            const Settings settings = settings_of(description);
             const Scene scene(scene_source_of(description), settings);
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
