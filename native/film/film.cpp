@@ -2,6 +2,7 @@
 #include "film/film.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -35,6 +36,20 @@ constexpr PassId variance_of(PassId pass) {
 
 constexpr bool is_variance(PassId pass) {
     return variance_of(pass) != pass;
+}
+
+/// Counts of samples as a checkpoint has them.
+std::vector<std::uint32_t> whole_numbers(const std::map<std::string, std::vector<double>>& saved,
+                                         const char* name) {
+    constexpr double kMost = std::numeric_limits<int>::max();
+    std::vector<std::uint32_t> counts;
+    for (const double n : saved.at(name)) {
+        if (!(n >= 0 && n <= kMost && n == std::floor(n)))
+            throw std::invalid_argument(std::string("the checkpoint is damaged ('") + name +
+                                        "'); render without it");
+        counts.push_back(static_cast<std::uint32_t>(n));
+    }
+    return counts;
 }
 
 }  // namespace
@@ -212,15 +227,13 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
                 "' is missing or of another size); render with the settings it was made with");
         }
     }
-    const auto take_counts = [](std::vector<std::uint32_t>& counts, const std::vector<double>& values) {
-        std::transform(values.begin(), values.end(), counts.begin(),
-                       [](double n) { return static_cast<std::uint32_t>(n); });
-    };
-    take_counts(counts_, saved.at("sample_count"));
+    std::vector<std::uint32_t> counts = whole_numbers(saved, "sample_count"), taken;
     if (!taken_.empty()) {
-        take_counts(taken_, saved.at("samples_taken"));
+        taken = whole_numbers(saved, "samples_taken");
         squared_weights_ = saved.at("squared_weights");
     }
+    counts_ = std::move(counts);
+    taken_ = std::move(taken);
     for (int p = 0; p < kPassCount; ++p) {
         if (!sums_[p].empty())
             sums_[p] = saved.at(kPasses[p].identifier);
