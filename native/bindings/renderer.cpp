@@ -156,11 +156,11 @@ class Renderer {
         out["target_reached"] = s.target_reached;
         out["embree_bytes"] = scene_->hierarchy_bytes();
         nb::dict field = told(decide_field(*scene_, settings_));
-        field["regions"] = render_->field() ? render_->field()->regions() : 0;
-        field["bytes"] = render_->field() ? render_->field()->memory() : 0;
+        field["regions"] = s.field_regions;
+        field["bytes"] = s.field_bytes;
         field["uses"] = nb::none();
-        if (const auto chosen = render_->techniques())
-            field["uses"] = uses(*chosen);
+        if (s.techniques)
+            field["uses"] = uses(*s.techniques);
         out["guiding_field"] = field;
         nb::list grids;
         for (const GridUse& g : scene_->grids()) {
@@ -222,7 +222,8 @@ void bind_renderer(nb::module_& m) {
              "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError "
              "where it was not asked for.")
         .def("statistics", &Renderer::statistics, "dict of counts, times (s) and sizes (bytes).")
-        .def("checkpoint", &Renderer::checkpoint, "dict name -> float64 sums, for `restore`.")
+        .def("checkpoint", &Renderer::checkpoint,
+             "dict name -> float64 sums, for `restore`. Not while it runs.")
         .def("restore", &Renderer::restore, nb::arg("saved"),
              "Takes up a checkpoint before `start`. Raises ValueError where it does not fit.")
         .def("knowledge", &Renderer::knowledge,
