@@ -4,13 +4,15 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-foundation bench-features scenes bake clean
+.PHONY: help setup build render test test-long lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
 
 python := .venv/bin/python
 
 # Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`.
 ARGS ?=
 FILES ?=
+# Seconds that `make fuzz` gives each target.
+TIME ?= 60
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-17s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -41,9 +43,18 @@ format: ## rewrite the sources in the project's format
 	@scripts/setup.sh lint
 	@scripts/format.sh
 
-asan: setup ## run the native tests under the address and undefined-behaviour sanitizers
+asan: setup ## run native tests, and some of Python, under the address and undefined-behaviour sanitizers
 	@scripts/build.sh asan
 	@scripts/asan.sh
+
+tsan: setup ## run the native tests that use several threads under the thread sanitizer
+	@scripts/build.sh tsan
+	@scripts/tsan.sh
+
+fuzz: ## feed the loaders with damaged input, each target for TIME=60 s; ARGS="vdb program" names targets
+	@scripts/setup.sh fuzz
+	@scripts/build.sh fuzz
+	@scripts/fuzz.sh $(TIME) $(ARGS)
 
 bench: build ## measure error against run time, beside Cycles and Mitsuba (hours; see ARGS="--help")
 	@scripts/setup.sh bench

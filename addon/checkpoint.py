@@ -45,6 +45,8 @@ def load(path, render_identity, samples):
     try:
         found, samples_done = header["identity"], header["samples_done"]
         changes = differences(found, render_identity)
+        if not isinstance(samples_done, int):
+            raise TypeError(f"its number of samples is {samples_done!r}")
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: not a {KIND}, or damaged ({error})") from error
     if changes:

@@ -8,6 +8,7 @@ object with one key: {"array": number}, {"tuple": [...]}, {"dict": {...}}; a dat
 
 import dataclasses
 import hashlib
+import typing
 import weakref
 from pathlib import Path
 
@@ -153,4 +154,15 @@ def decoded(value, arrays):
         return tuple(decoded(item, arrays) for item in value["tuple"])
     if "dict" in value:
         return {key: decoded(item, arrays) for key, item in value["dict"].items()}
-    return CLASSES[value["type"]](**{name: decoded(item, arrays) for name, item in value["fields"].items()})
+    fields = {name: decoded(item, arrays) for name, item in value["fields"].items()}
+    return checked(CLASSES[value["type"]](**fields))
+
+
+def checked(item):
+    """Returns a dataclass of the description; raises TypeError naming the field that is not of its type."""
+    for name, kind in typing.get_type_hints(type(item)).items():
+        kinds = typing.get_args(kind) or (kind,)
+        value = getattr(item, name)
+        if not isinstance(value, (*kinds, int) if float in kinds else kinds):
+            raise TypeError(f"{type(item).__name__}.{name} is of type {type(value).__name__}")
+    return item

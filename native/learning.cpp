@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "learning.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include "guiding/saved_rows.h"
 
 namespace nephele {
@@ -20,6 +23,25 @@ constexpr double kUsualVertices = 8;  // of a path, before any was seen
 /// Samples per pixel between which the techniques are judged, each time by those since the last update: the
 /// field goes on learning, and early on it looks worse than it will be.
 constexpr int kTrialBegins = 8, kTrialEnds = 32;
+
+constexpr double kMostSamples = 1 << 24;  // per pixel, by the setting's range
+
+[[noreturn]] void damaged(const char* name) {
+    throw std::invalid_argument(std::string("the checkpoint is damaged ('") + name + "'); render without it");
+}
+
+/// Whether what a lesson's bytes say is a value of its types: neither a third truth nor a part that is not.
+bool is_whole(const FieldSample& s) {
+    const auto is_bool = [](const bool& b) {
+        unsigned char byte;
+        std::memcpy(&byte, &b, 1);
+        return byte <= 1;
+    };
+    std::uint32_t part;
+    std::memcpy(&part, &s.part, sizeof(part));
+    return part < kFieldParts && is_bool(s.vsp.known) && is_bool(s.vsp.scattered) && is_bool(s.vsp.walked) &&
+           is_bool(s.vsp.weighed);
+}
 
 bool is_power_of_two(int n) {
     return n > 0 && (n & (n - 1)) == 0;
@@ -201,14 +223,14 @@ void Learning::restore(const std::map<std::string, std::vector<double>>& saved) 
             "the checkpoint holds nothing learned; render with the settings it was "
             "made with");
     const std::vector<double>& state = saved.at(kState);
+    if (!(state[0] >= 0 && state[0] <= kMostSamples && state[1] > 0 && state[1] <= 1))
+        damaged(kState);
     learned_at_ = static_cast<int>(state[0]);
-    if (!(state[1] > 0 && state[1] <= 1))
-        throw std::invalid_argument("the checkpoint is damaged ('learning_state'); render without it");
     asked_share_ = state[1];
-    choice_.restore(static_cast<int>(state[2]));
+    choice_.restore(state[2]);
     const auto trial = unflattened<TrialSums>(saved, kTrial);
     if (trial.size() != trial_.size())
-        throw std::invalid_argument("the checkpoint is damaged ('trial'); render without it");
+        damaged(kTrial);
     std::copy(trial.begin(), trial.end(), trial_.begin());
     if (choice_.decided())
         pairs_ = {};
@@ -220,6 +242,8 @@ void Learning::restore(const std::map<std::string, std::vector<double>>& saved) 
     if (field_) {
         field_->restore(saved);
         lessons_ = unflattened<FieldSample>(saved, kLessons);
+        if (!std::all_of(lessons_.begin(), lessons_.end(), is_whole))
+            damaged(kLessons);
     }
 }
 
@@ -245,7 +269,7 @@ std::string Learning::inherit(const std::map<std::string, std::vector<double>>& 
         // What paid there need not be allowed here.
         if (!choice_.decided() && knowledge.contains(kChoice) && knowledge.at(kChoice).size() == 1 &&
             choice_.allows(knowledge.at(kChoice)[0]))
-            choice_.restore(static_cast<int>(knowledge.at(kChoice)[0]));
+            choice_.restore(knowledge.at(kChoice)[0]);
     }
     if (guides_ && guides_->inherit(knowledge, kWorthSamples))
         taken.push_back("the camera rays' guides");

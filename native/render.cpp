@@ -6,8 +6,7 @@
 #include <bit>
 #include <ctime>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "base/parallel.h"
 
 namespace nephele {
 
@@ -69,12 +68,24 @@ void check_plain(const Settings& settings, const Scene& scene) {
     }
 }
 
+FilmSource checked(FilmSource f) {
+    const bool good =
+        f.x0 >= 0 && f.y0 >= 0 && f.x0 < f.x1 && f.y0 < f.y1 && f.x1 <= f.width && f.y1 <= f.height;
+    if (!good) {
+        throw std::invalid_argument(
+            "the film is " + std::to_string(f.width) + " x " + std::to_string(f.height) +
+            " pixels, and the part to render is no part of that; set a resolution of at "
+            "least 1 x 1 and a region inside it");
+    }
+    return f;
+}
+
 }  // namespace
 
 Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, FilmSource frame)
     : scene_(std::move(scene)),
       settings_(settings),
-      frame_(std::move(frame)),
+      frame_(checked(std::move(frame))),
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes, film_needs()),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       learning_(*scene_, settings, film_.width(), film_.height()),
@@ -88,6 +99,7 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
     request_.features =
         any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
     request_.transparent_film = frame_.transparent;
+    note_learned();
 }
 
 Render::~Render() {
@@ -113,7 +125,7 @@ void Render::run() {
         samples_done_ = done;
         bool reached = enough();
         while (done < settings_.samples && !must_stop() && !reached) {
-            arena.execute([&] {
+            execute_in(arena, [&] {
                 learn();
                 render_pass(next_target(done, settings_.samples));
             });
@@ -158,6 +170,22 @@ void Render::learn() {
         return;
     const std::lock_guard lock(mutex_);
     statistics_.train_seconds += seconds_since(begin);
+    note_learned();
+}
+
+/// Notes what others may ask of the learning while it goes on.
+void Render::note_learned() {
+    if (const GuidingField* field = learning_.field()) {
+        statistics_.field_regions = field->regions();
+        statistics_.field_bytes = field->memory();
+    }
+    statistics_.techniques = learning_.chosen();
+    statistics_.learning_bytes = learning_.bytes();
+}
+
+void Render::check_stands_still() const {
+    if (state_ == State::running)
+        throw std::logic_error("this render is running; cancel it and wait before its state is read");
 }
 
 bool Render::wait(double seconds) {
@@ -172,7 +200,7 @@ bool Render::wait(double seconds) {
 void Render::render_pass(int target) {
     const int columns = (film_.width() + kTileSize - 1) / kTileSize,
               rows = (film_.height() + kTileSize - 1) / kTileSize;
-    tbb::parallel_for(0, columns * rows, [&](int tile) { render_tile(tile, target); });
+    parallel_for(0, columns * rows, [&](int tile) { render_tile(tile, target); });
 }
 
 void Render::render_tile(int tile, int target) {
@@ -317,15 +345,23 @@ RenderStatistics Render::statistics() const {
 }
 
 std::map<std::string, std::vector<double>> Render::save() const {
+    check_stands_still();
     auto saved = film_.save();
     learning_.save(saved);
     return saved;
 }
 
+std::map<std::string, std::vector<double>> Render::knowledge() const {
+    check_stands_still();
+    return learning_.knowledge();
+}
+
 std::string Render::inherit(const std::map<std::string, std::vector<double>>& knowledge) {
     if (state_ != State::idle)
         throw std::logic_error("hand knowledge over before the render starts");
-    return learning_.inherit(knowledge);
+    std::string taken = learning_.inherit(knowledge);
+    note_learned();
+    return taken;
 }
 
 void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
@@ -337,6 +373,7 @@ void Render::restore(const std::map<std::string, std::vector<double>>& saved) {
     for (const double n : saved.at("sample_count"))
         taken += static_cast<std::uint64_t>(n);
     samples_taken_ = taken;
+    note_learned();
 }
 
 }  // namespace nephele

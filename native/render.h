@@ -45,6 +45,9 @@ struct RenderStatistics {
     double first_tile_seconds = 0;  ///< from start to the first finished tile, wall clock
     std::vector<ErrorMark> errors;  ///< after each pass, where the error is estimated
     bool target_reached = false;    ///< the error is at the target
+    std::size_t field_regions = 0, field_bytes = 0;  ///< of the guiding field, after the last update
+    std::optional<Techniques> techniques;            ///< what it is used for, once that is decided
+    std::size_t learning_bytes = 0;                  ///< of all that is learned, after the last update
 };
 
 class Render {
@@ -75,19 +78,15 @@ class Render {
     const Kernel& kernel() const { return kernel_; }
     const FilmSource& frame() const { return frame_; }
     RenderStatistics statistics() const;
-    /// The sums of film and guiding, for checkpoints.
+    /// The sums of film and guiding, for checkpoints. Throws std::logic_error while it runs.
     std::map<std::string, std::vector<double>> save() const;
     /// Takes up the sums of an earlier render of the same frame. Throws std::invalid_argument where they do
     /// not fit.
     void restore(const std::map<std::string, std::vector<double>>& saved);
-    /// What it learned, for another render; not while it runs.
-    std::map<std::string, std::vector<double>> knowledge() const { return learning_.knowledge(); }
+    /// What it learned, for another render. Throws std::logic_error while it runs.
+    std::map<std::string, std::vector<double>> knowledge() const;
     /// Starts from what another learned; see Learning.
     std::string inherit(const std::map<std::string, std::vector<double>>& knowledge);
-    const GuidingField* field() const { return learning_.field(); }
-    std::size_t learning_bytes() const { return learning_.bytes(); }
-    /// What the field is used for, once that is decided; not while it runs.
-    std::optional<Techniques> techniques() const { return learning_.chosen(); }
 
   private:
     void run();
@@ -99,6 +98,8 @@ class Render {
     PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                             Workspace& ws) const;
     void learn();
+    void note_learned();
+    void check_stands_still() const;
     bool enough();
     FilmNeeds film_needs() const;
     bool must_stop() const;

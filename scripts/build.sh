@@ -1,20 +1,34 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# Configures and builds the native side: `build.sh module|all|tables|asan`. Ninja decides what is out of date.
+# Configures and builds the native side: `build.sh module|all|tables|asan|tsan|fuzz`. Ninja decides what is out of
+# date.
 #     module   build/release: the module alone, installed into .venv as nephele_native
 #     all      the same, and the native tests
 #     tables   only the generated headers (clang-tidy needs them)
-#     asan     build/asan: the native tests under AddressSanitizer and UndefinedBehaviorSanitizer, no module
+#     asan     build/asan: native tests and module under AddressSanitizer and UndefinedBehaviorSanitizer
+#     tsan     build/tsan: native tests under ThreadSanitizer
+#     fuzz     build/fuzz: fuzz targets and module for libFuzzer, by Clang, under the sanitizers of asan
 
 source "$(dirname "$0")/common.sh"
 
 what=${1:-module}
 folder=build/release
 options=(-DCMAKE_BUILD_TYPE=Release)
-if [[ $what == asan ]]; then
-    folder=build/asan
-    options=(-DCMAKE_BUILD_TYPE=RelWithDebInfo -DNEPHELE_SANITIZE=ON -DNEPHELE_MODULE=OFF -DNEPHELE_TESTS=ON)
+case $what in
+    asan)
+        options=(-DCMAKE_BUILD_TYPE=RelWithDebInfo -DNEPHELE_SANITIZE=address -DNEPHELE_TESTS=ON)
+        ;;
+    tsan)
+        options=(-DCMAKE_BUILD_TYPE=RelWithDebInfo -DNEPHELE_SANITIZE=thread -DNEPHELE_MODULE=OFF -DNEPHELE_TESTS=ON)
+        ;;
+    fuzz)
+        options=(-DCMAKE_BUILD_TYPE=RelWithDebInfo -DNEPHELE_SANITIZE=fuzzer -DNEPHELE_TESTS=OFF
+            -DCMAKE_CXX_COMPILER=clang++-14)
+        ;;
+esac
+if [[ $what == asan || $what == tsan || $what == fuzz ]]; then
+    folder=build/$what
 fi
 
 # A build folder copied along with the clone still points to the old place, and CMake refuses it.
@@ -47,9 +61,9 @@ forget_foreign_folder
 configure
 case $what in
     module) build nephele_native ;;
-    all | asan) build all ;;
+    all | asan | tsan | fuzz) build all ;;
     tables) build nephele_tables_files ;;
-    *) fail "build.sh: unknown '$what', expected module, all, tables or asan" ;;
+    *) fail "build.sh: unknown '$what', expected module, all, tables, asan, tsan or fuzz" ;;
 esac
 if [[ $what == module || $what == all ]]; then
     cmake --install "$folder" >build/install.log || fail "could not install nephele_native into .venv: see build/install.log"

@@ -18,6 +18,8 @@ bpy_packages=(
 lint_packages=(clang-format clang-tidy git)
 count_packages=(valgrind)
 
+fuzz_packages=(clang-14 libclang-rt-14-dev)  # libFuzzer and the sanitizers' runtime
+
 # Prints those of the named packages that are not installed. Asks dpkg alone: no network, no root.
 missing_packages() {
     local installed

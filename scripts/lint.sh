@@ -14,15 +14,15 @@ check() {
     "${@:2}" || failed=1
 }
 
-# Prints the .cpp files of native/ and tests/native/ that are new or differ from the last commit.
+# Prints the .cpp files of native/, tests/native/ and tests/fuzz/ that are new or differ from the last commit.
 changed_sources() {
     {
-        git diff --name-only --diff-filter=d HEAD -- native tests/native &&
-            git ls-files --others --exclude-standard -- native tests/native
+        git diff --name-only --diff-filter=d HEAD -- native tests/native tests/fuzz &&
+            git ls-files --others --exclude-standard -- native tests/native tests/fuzz
     } | { grep '\.cpp$' || true; } | sort -u
 }
 
-mapfile -t cpp_files < <(find native tests/native -name '*.cpp' -o -name '*.h' | sort)
+mapfile -t cpp_files < <(find native tests/native tests/fuzz -name '*.cpp' -o -name '*.h' | sort)
 check "clang-format" clang-format --dry-run -Werror "${cpp_files[@]}"
 check "ruff check" .venv/bin/ruff check .
 check "ruff format" .venv/bin/ruff format --check .

@@ -4,7 +4,8 @@
 # Makes a clone ready to build: Debian packages, .venv with pinned Python packages, and the package `nephele`
 # (the folder addon/) installed there in editable form. Each step leaves a stamp holding what it was made from,
 # so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`, `setup.sh bench`
-# the other renderers that bench/ measures against, `setup.sh count` what counts instructions.
+# the other renderers that bench/ measures against, `setup.sh count` what counts instructions, `setup.sh fuzz`
+# the fuzzers.
 #
 # PYTHON=PATH chooses the Python 3.11 that .venv is made from.
 
@@ -80,16 +81,17 @@ install_requirements() {
     write_stamp requirements "$made_from"
 }
 
-install_bench() {
+# install_more NAME FILE: the packages of another requirements.txt, without theirs.
+install_more() {
     local made_from
-    made_from=$(sha256sum bench/requirements.txt)
-    if stamp_is bench "$made_from"; then
+    made_from=$(sha256sum "$2")
+    if stamp_is "$1" "$made_from"; then
         return
     fi
-    step "Installing the renderers of bench/requirements.txt"
-    quietly build/bench.log "check the network, then try again" \
-        .venv/bin/python -m pip --disable-pip-version-check install --no-deps --requirement bench/requirements.txt
-    write_stamp bench "$made_from"
+    step "Installing the Python packages of $2"
+    quietly "build/$1.log" "check the network, then try again" \
+        .venv/bin/python -m pip --disable-pip-version-check install --no-deps --requirement "$2"
+    write_stamp "$1" "$made_from"
 }
 
 install_nephele() {
@@ -117,14 +119,17 @@ mapfile -t packages < <(python_packages "$python")
 packages+=("${build_packages[@]}" "${bpy_packages[@]}")
 if [[ ${1:-} == lint ]]; then
     packages+=("${lint_packages[@]}")
-fi
-if [[ ${1:-} == count ]]; then
+elif [[ ${1:-} == fuzz ]]; then
+    packages+=("${fuzz_packages[@]}")
+elif [[ ${1:-} == count ]]; then
     packages+=("${count_packages[@]}")
 fi
 ensure_packages "${packages[@]}"
 make_venv "$python"
 install_requirements
 if [[ ${1:-} == bench ]]; then
-    install_bench
+    install_more bench bench/requirements.txt
+elif [[ ${1:-} == fuzz ]]; then
+    install_more fuzz tests/fuzz/requirements.txt
 fi
 install_nephele

@@ -20,9 +20,23 @@ namespace nephele::bindings {
 
 namespace nb = nanobind;
 
+/// Runs `convert`, which reads `what` of the description. Where Python or nanobind finds it missing or of
+/// another type, throws std::invalid_argument that names it; other errors pass.
+template <class F>
+auto reading(const char* what, F&& convert) {
+    try {
+        return convert();
+    } catch (const nb::python_error&) {  // no such attribute, no sequence, too few items
+    } catch (const std::bad_cast&) {
+    }
+    throw std::invalid_argument(
+        std::string("'") + what +
+        "' is missing or not of the description's type; the scene description is damaged");
+}
+
 template <class T>
 T value(nb::handle object, const char* attribute) {
-    return nb::cast<T>(object.attr(attribute));
+    return reading(attribute, [&] { return nb::cast<T>(object.attr(attribute)); });
 }
 
 inline std::string text(nb::handle object, const char* attribute) {
@@ -30,8 +44,10 @@ inline std::string text(nb::handle object, const char* attribute) {
 }
 
 inline Rgb rgb(nb::handle object, const char* attribute) {
-    const nb::object v = object.attr(attribute);
-    return {nb::cast<float>(v[0]), nb::cast<float>(v[1]), nb::cast<float>(v[2])};
+    return reading(attribute, [&] {
+        const nb::object v = object.attr(attribute);
+        return Rgb(nb::cast<float>(v[0]), nb::cast<float>(v[1]), nb::cast<float>(v[2]));
+    });
 }
 
 [[noreturn]] inline void bad_array(const char* what, const char* wanted) {
@@ -108,16 +124,20 @@ Enum choice(nb::handle object, const char* attribute,
 /// Applies `convert` to each element, naming the one at fault.
 template <class T, class F>
 std::vector<T> list(nb::handle object, const char* attribute, F&& convert) {
-    std::vector<T> out;
-    for (nb::handle item : nb::borrow<nb::object>(object.attr(attribute))) {
-        try {
-            out.push_back(convert(item));
-        } catch (const std::exception& e) {
-            const std::string name = nb::hasattr(item, "name") ? " '" + text(item, "name") + "'" : "";
-            throw std::invalid_argument(std::string(attribute) + name + ": " + e.what());
+    return reading(attribute, [&] {
+        std::vector<T> out;
+        for (nb::handle item : nb::borrow<nb::object>(object.attr(attribute))) {
+            try {
+                out.push_back(reading("an item", [&] { return convert(item); }));
+            } catch (const std::invalid_argument& e) {
+                std::string name;
+                if (nb::hasattr(item, "name") && nb::isinstance<nb::str>(item.attr("name")))
+                    name = " '" + text(item, "name") + "'";
+                throw std::invalid_argument(std::string(attribute) + name + ": " + e.what());
+            }
         }
-    }
-    return out;
+        return out;
+    });
 }
 
 }  // namespace nephele::bindings

@@ -2,6 +2,8 @@
 // What stands in the scene: meshes, instances, volumes, lamps, the camera.
 #include "bindings/convert.h"
 
+#include <tuple>
+
 #include "bindings/attributes.h"
 
 namespace nephele::bindings {
@@ -177,11 +179,23 @@ std::array<double, 3> move_origin(CameraDescription& camera) {
 
 }  // namespace
 
+namespace {
+
+WorldSource world_of(nb::handle world) {
+    WorldSource out;
+    out.background = program_of(world.attr("background"));
+    out.volume = volume_closures_of(world);
+    out.visibility = value<std::uint32_t>(world, "visibility");
+    return out;
+}
+
+}  // namespace
+
 SceneSource scene_source_of(nb::handle scene) {
     SceneSource out;
-    out.camera = camera(scene.attr("camera"));
+    out.camera = reading("camera", [&] { return camera(scene.attr("camera")); });
     out.origin = move_origin(out.camera);
-    out.camera.motion = motion_matrices(scene.attr("camera"), out.origin);
+    out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
         return Material{text(m, "name"), program_of(m.attr("surface")), volume_closures_of(m)};
@@ -193,13 +207,11 @@ SceneSource scene_source_of(nb::handle scene) {
         scene, "volumes", [&](nb::handle v) { return volume(v, out.materials.size(), out.origin); });
     out.images = list<Image>(scene, "images", image);
     out.lamps = list<LampDescription>(scene, "lights", [&](nb::handle l) { return lamp(l, out.origin); });
-    const nb::object world = scene.attr("world");
-    out.world.background = program_of(world.attr("background"));
-    out.world.volume = volume_closures_of(world);
-    out.world.visibility = value<std::uint32_t>(world, "visibility");
-    const nb::object shutter = scene.attr("shutter");
-    out.shutter_open = nb::cast<float>(shutter[0]);
-    out.shutter_close = nb::cast<float>(shutter[1]);
+    out.world = reading("world", [&] { return world_of(scene.attr("world")); });
+    std::tie(out.shutter_open, out.shutter_close) = reading("shutter", [&] {
+        const nb::object shutter = scene.attr("shutter");
+        return std::pair(nb::cast<float>(shutter[0]), nb::cast<float>(shutter[1]));
+    });
     return out;
 }
 

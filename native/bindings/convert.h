@@ -16,9 +16,9 @@ std::optional<Program> program_of(nanobind::handle program);
 /// The closures of attribute `volume`; one whose sigma and emission are scaled differently becomes two.
 std::vector<VolumeClosure> volume_closures_of(nanobind::handle object);
 SceneSource scene_source_of(nanobind::handle scene);
-FilmSource film_source_of(nanobind::handle film);
-/// settings: dict name -> value, as parameters.checked() returns it.
-Settings settings_of(nanobind::handle settings);
+FilmSource film_source_of(nanobind::handle scene);
+/// The scene's settings: dict name -> value, as parameters.checked() returns it.
+Settings settings_of(nanobind::handle scene);
 PassId pass_of(std::string_view name);
 
 }  // namespace nephele::bindings

@@ -13,7 +13,9 @@ PassId pass_of(std::string_view name) {
     throw std::invalid_argument("no pass is called '" + std::string(name) + "'");
 }
 
-FilmSource film_source_of(nb::handle film) {
+namespace {
+
+FilmSource film(nb::handle film) {
     using Falloff = FilmSource::MistFalloff;
     FilmSource out;
     out.width = value<int>(film, "width");
@@ -39,14 +41,22 @@ FilmSource film_source_of(nb::handle film) {
     return out;
 }
 
-Settings settings_of(nb::handle settings) {
+}  // namespace
+
+FilmSource film_source_of(nb::handle scene) {
+    return reading("film", [&] { return film(scene.attr("film")); });
+}
+
+Settings settings_of(nb::handle scene) {
     Settings out;
-    for (auto [key, item] : nb::cast<nb::dict>(settings)) {
-        const auto name = nb::cast<std::string>(key);
+    const auto all = value<nb::dict>(scene, "settings");
+    for (auto [key, item] : all) {
+        const auto name = reading("settings", [&] { return nb::cast<std::string>(key); });
         if (nb::isinstance<nb::str>(item)) {
             set_field(out, name, std::string_view(nb::cast<std::string>(item)));
         } else {
-            set_field(out, name, nb::cast<double>(nb::float_(nb::borrow(item))));
+            set_field(out, name,
+                      reading(name.c_str(), [&] { return nb::cast<double>(nb::float_(nb::borrow(item))); }));
         }
     }
     return out;

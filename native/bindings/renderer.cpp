@@ -93,10 +93,9 @@ nb::list uses(const Techniques& techniques) {
 
 class Renderer {
   public:
-    Renderer(nb::handle description, PartCache* parts)
-        : settings_(settings_of(description.attr("settings"))) {
+    Renderer(nb::handle description, PartCache* parts) : settings_(settings_of(description)) {
         SceneSource source = scene_source_of(description);
-        FilmSource film = film_source_of(description.attr("film"));
+        FilmSource film = film_source_of(description);
         const nb::gil_scoped_release release;
         const auto begin = std::chrono::steady_clock::now();
         scene_ = std::make_shared<const Scene>(std::move(source), settings_, parts);
@@ -147,7 +146,7 @@ class Renderer {
         out["kernel"] = render_->kernel().list();
         nb::dict memory;
         memory["film"] = render_->film().bytes();
-        memory["learning"] = render_->learning_bytes();
+        memory["learning"] = s.learning_bytes;
         memory["light_tree"] = scene_->lights().tree_bytes();
         out["memory"] = memory;
         out["samples_done"] = render_->samples_done();
@@ -165,11 +164,11 @@ class Renderer {
         out["target_reached"] = s.target_reached;
         out["embree_bytes"] = scene_->hierarchy_bytes();
         nb::dict field = told(decide_field(*scene_, settings_));
-        field["regions"] = render_->field() ? render_->field()->regions() : 0;
-        field["bytes"] = render_->field() ? render_->field()->memory() : 0;
+        field["regions"] = s.field_regions;
+        field["bytes"] = s.field_bytes;
         field["uses"] = nb::none();
-        if (const auto chosen = render_->techniques())
-            field["uses"] = uses(*chosen);
+        if (s.techniques)
+            field["uses"] = uses(*s.techniques);
         out["guiding_field"] = field;
         nb::list grids;
         for (const GridUse& g : scene_->grids()) {
@@ -203,7 +202,7 @@ void bind_renderer(nb::module_& m) {
     m.def(
         "scene_features",
         [](nb::handle description) {
-            const Settings settings = settings_of(description.attr("settings"));
+            const Settings settings = settings_of(description);
             const Scene scene(scene_source_of(description), settings);
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
@@ -248,7 +247,8 @@ void bind_renderer(nb::module_& m) {
              "The pass so far: (height, width, channels) float32, first row at the bottom. Raises ValueError "
              "where it was not asked for.")
         .def("statistics", &Renderer::statistics, "dict of counts, times (s) and sizes (bytes).")
-        .def("checkpoint", &Renderer::checkpoint, "dict name -> float64 sums, for `restore`.")
+        .def("checkpoint", &Renderer::checkpoint,
+             "dict name -> float64 sums, for `restore`. Not while it runs.")
         .def("restore", &Renderer::restore, nb::arg("saved"),
              "Takes up a checkpoint before `start`. Raises ValueError where it does not fit.")
         .def("knowledge", &Renderer::knowledge,

@@ -2,6 +2,8 @@
 #include "film/film.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -38,6 +40,30 @@ constexpr PassId variance_of(PassId pass) {
 
 constexpr bool is_variance(PassId pass) {
     return variance_of(pass) != pass;
+}
+
+// One thread at a time changes a pixel while others may read it: a number is old or new, never torn.
+template <class T>
+T seen(const T& number) {
+    return std::atomic_ref<T>(const_cast<T&>(number)).load(std::memory_order_relaxed);
+}
+template <class T>
+void increase(T& number, T by) {
+    std::atomic_ref<T>(number).store(number + by, std::memory_order_relaxed);
+}
+
+/// Counts of samples as a checkpoint has them.
+std::vector<std::uint32_t> whole_numbers(const std::map<std::string, std::vector<double>>& saved,
+                                         const char* name) {
+    constexpr double kMost = std::numeric_limits<int>::max();
+    std::vector<std::uint32_t> counts;
+    for (const double n : saved.at(name)) {
+        if (!(n >= 0 && n <= kMost && n == std::floor(n)))
+            throw std::invalid_argument(std::string("the checkpoint is damaged ('") + name +
+                                        "'); render without it");
+        counts.push_back(static_cast<std::uint32_t>(n));
+    }
+    return counts;
 }
 
 }  // namespace
@@ -82,7 +108,7 @@ void Film::add_to(PassId pass, std::size_t pixel, const float* values, int chann
         return;
     double* out = sums.data() + pixel * static_cast<std::size_t>(channels);
     for (int c = 0; c < channels; ++c)
-        out[c] += weight * static_cast<double>(values[c]);
+        increase(out[c], weight * static_cast<double>(values[c]));
 }
 
 void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight) {
@@ -93,10 +119,10 @@ void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uin
     add_to(PassId::combined, pixel, combined, 4, w);
     if (compiled::passes && others_)
         add_others(pixel, sample, exposure, w);
-    counts_[pixel] += weight;
+    increase(counts_[pixel], weight);
     if (compiled::adaptive_sampling && !taken_.empty()) {
-        ++taken_[pixel];
-        squared_weights_[pixel] += w * w;
+        increase(taken_[pixel], 1u);
+        increase(squared_weights_[pixel], w * w);
     }
 }
 
@@ -130,26 +156,26 @@ void Film::add_squares(PassId pass, std::size_t pixel, Rgb light, double weight)
         return;
     double* squares = sums_[at(pass)].data() + 3 * pixel;
     for (int c = 0; c < 3; ++c)
-        squares[c] += weight * (static_cast<double>(light[c]) * static_cast<double>(light[c]));
+        increase(squares[c], weight * (static_cast<double>(light[c]) * static_cast<double>(light[c])));
 }
 
 double Film::variance(PassId pass, std::size_t pixel, std::size_t channel) const {
     const PassId mean_pass = variance_of(pass);
     const auto stride = static_cast<std::size_t>(kPasses[at(mean_pass)].channels);
-    const double n = counts_[pixel];
-    const double mean = sums_of(mean_pass)[stride * pixel + channel] / n;
-    const double spread = std::max(0.0, sums_of(pass)[3 * pixel + channel] / n - mean * mean);
+    const double n = seen(counts_[pixel]);
+    const double mean = seen(sums_of(mean_pass)[stride * pixel + channel]) / n;
+    const double spread = std::max(0.0, seen(sums_of(pass)[3 * pixel + channel]) / n - mean * mean);
     if (taken_.empty())
         return n > 1 ? spread / (n - 1) : 0;
     // Sum of the squared shares: 1 / n of equal weights. Of the spread about the mean, that much is missing.
-    const double shares = squared_weights_[pixel] / (n * n);
-    return taken_[pixel] > 1 ? spread * shares / (1 - shares) : 0;
+    const double shares = seen(squared_weights_[pixel]) / (n * n);
+    return seen(taken_[pixel]) > 1 ? spread * shares / (1 - shares) : 0;
 }
 
 std::vector<float> Film::variance(PassId pass) const {
     std::vector<float> out(counts_.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
-        if (counts_[i] > 0)
+        if (seen(counts_[i]) > 0)
             out[i] =
                 static_cast<float>((variance(pass, i, 0) + variance(pass, i, 1) + variance(pass, i, 2)) / 3);
     }
@@ -179,7 +205,10 @@ std::vector<float> Film::read(PassId pass) const {
     const PassInfo& info = kPasses[at(pass)];
     if (pass == PassId::sample_count) {
         const std::vector<std::uint32_t>& samples = taken_.empty() ? counts_ : taken_;
-        return {samples.begin(), samples.end()};
+        std::vector<float> out(samples.size());
+        std::transform(samples.begin(), samples.end(), out.begin(),
+                       [](const std::uint32_t& n) { return static_cast<float>(seen(n)); });
+        return out;
     }
     if (!has(pass)) {
         throw std::invalid_argument(std::string("the pass '") + info.name +
@@ -191,9 +220,10 @@ std::vector<float> Film::read(PassId pass) const {
     const ZeroedVector<double>& sums = sums_of(pass);
     std::vector<float> out(sums.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
-        const double n = first_sample_only(pass) ? std::min<std::uint32_t>(counts_[i], 1) : counts_[i];
+        const std::uint32_t count = seen(counts_[i]);
+        const double n = first_sample_only(pass) ? std::min(count, 1u) : count;
         for (std::size_t c = 0; c < channels; ++c) {
-            out[channels * i + c] = n > 0 ? static_cast<float>(sums[channels * i + c] / n) : 0.0f;
+            out[channels * i + c] = n > 0 ? static_cast<float>(seen(sums[channels * i + c]) / n) : 0.0f;
         }
     }
     return out;
@@ -230,15 +260,13 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
                 "' is missing or of another size); render with the settings it was made with");
         }
     }
-    const auto take_counts = [](std::vector<std::uint32_t>& counts, const std::vector<double>& values) {
-        std::transform(values.begin(), values.end(), counts.begin(),
-                       [](double n) { return static_cast<std::uint32_t>(n); });
-    };
-    take_counts(counts_, saved.at("sample_count"));
+    std::vector<std::uint32_t> counts = whole_numbers(saved, "sample_count"), taken;
     if (!taken_.empty()) {
-        take_counts(taken_, saved.at("samples_taken"));
+        taken = whole_numbers(saved, "samples_taken");
         squared_weights_ = saved.at("squared_weights");
     }
+    counts_ = std::move(counts);
+    taken_ = std::move(taken);
     for (int p = 0; p < kPassCount; ++p) {
         if (sums_[p].empty())
             continue;

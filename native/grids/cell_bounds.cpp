@@ -5,9 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "grids/brick_extremes.h"
 
 namespace nephele {
@@ -35,7 +33,7 @@ Bounds with_room(Bounds b, Filter filter) {
 template <class Extremes>
 std::vector<Extremes> extremes_of_bricks(const BrickGrid& grid) {
     std::vector<Extremes> extremes(grid.brick_count());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, extremes.size(), 64), [&](const auto& range) {
+    parallel_ranges(std::size_t{0}, extremes.size(), 64, [&](const auto& range) {
         float voxels[BrickGrid::kBrickVoxels];
         for (std::size_t b = range.begin(); b != range.end(); ++b) {
             grid.read_brick(static_cast<std::int32_t>(b), voxels);
@@ -118,7 +116,7 @@ CellBounds CellBounds::of_grid(const BrickGrid& grid, Filter filter) {
 template <class Extremes>
 void CellBounds::fill_from(const BrickGrid& grid, Filter filter) {
     const std::vector<Extremes> extremes = extremes_of_bricks<Extremes>(grid);
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
+    parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
         const std::array<int, 3> corner = corner_of(b);
         float value = 0;
         if (is_constant_block(grid, corner, reach_of(filter), value)) {
@@ -168,10 +166,10 @@ CellBounds CellBounds::of_function(const IndexBox& box, Bounds background, const
         b.min = b.min > -kInfinity ? b.min : -kInfinity;
         return b;
     };
-    tbb::parallel_for(std::size_t{0}, out.blocks_.size(), [&](std::size_t b) {
+    parallel_for(std::size_t{0}, out.blocks_.size(), [&](std::size_t b) {
         const std::array<int, 3> corner = out.corner_of(b);
         auto units = std::make_unique<Bounds[]>(kUnits);
-        tbb::parallel_for(std::size_t{0}, std::size_t{256}, [&](std::size_t row) {
+        parallel_for(std::size_t{0}, std::size_t{256}, [&](std::size_t row) {
             for (std::size_t i = 16 * row; i < 16 * row + 16; ++i) {
                 const std::array<int, 3> cell = cell_of_unit(i);
                 std::array<int, 3> first;

@@ -18,7 +18,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_invoke.h>
+#include "base/parallel.h"
 
 namespace nephele {
 
@@ -203,7 +203,7 @@ KdTreeBuilder::Result KdTreeBuilder::build(std::size_t number, int depth, const 
     const auto build_lower = [&] { a = build(2 * number + 1, depth + 1, lower); };
     const auto build_upper = [&] { b = build(2 * number + 2, depth + 1, upper); };
     if (depth < 6) {
-        tbb::parallel_invoke(build_lower, build_upper);
+        parallel_invoke(build_lower, build_upper);
     } else {
         build_lower();
         build_upper();

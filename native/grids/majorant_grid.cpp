@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 namespace nephele {
 
@@ -102,7 +102,7 @@ MajorantGrid::MajorantGrid(const CellBounds& bounds, float sigma_scale, bool wit
     packed_.resize(static_cast<std::size_t>(nodes) * kCellsPerBlock);
     if (with_minorants)
         minorants_.resize(packed_.size());
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
+    parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
         if (blocks_[b].node >= 0)
             build_block(bounds, sigma_scale, positions[b], blocks_[b]);
     });

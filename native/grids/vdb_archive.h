@@ -238,6 +238,9 @@ inline openvdb::MetaMap VdbReader::read_metadata() {
 
 inline openvdb::math::Transform VdbReader::read_transform(const VdbDescriptor& d) {
     read_metadata(d);
+    const std::streampos kind = stream_.tellg();
+    read_name();  // OpenVDB would allocate whatever length the file names
+    stream_.seekg(kind);
     openvdb::math::Transform transform;
     transform.read(stream_);
     return transform;

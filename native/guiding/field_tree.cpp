@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "guiding/saved_rows.h"
 
 namespace nephele {
@@ -54,7 +53,7 @@ void FieldTree::update(const Settings& settings, std::span<FieldSample> samples)
     }
     std::vector<Part> parts;
     distribute(0, samples, parts);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
         regions_[nodes_[parts[i].node].child].update(settings, parts[i].samples);
     });
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 namespace nephele {
 
@@ -115,7 +115,7 @@ std::vector<Pooled> pool(int width, int height, std::vector<BranchSums> sums,
     std::vector<float> rest(sums.size(), 1.0f);
     std::vector<BranchSums> wider(sums.size());
     for (int level = 0; level <= kLevels; ++level) {
-        tbb::parallel_for(0, height, [&](int y) {
+        parallel_for(0, height, [&](int y) {
             for (int x = 0; x < width; ++x) {
                 const std::size_t i = image.index(x, y);
                 blend(sums[i], level == kLevels, out[i], rest[i]);

@@ -72,12 +72,12 @@ void TechniqueChoice::decide(const Trial& trial, bool end) {
         chosen_ = all < kWorthIts * none ? 1 : 0;
 }
 
-void TechniqueChoice::restore(int chosen) {
-    if (chosen < -1 || chosen >= static_cast<int>(sets_.size()))
+void TechniqueChoice::restore(double number) {
+    if (!allows(number))
         throw std::invalid_argument(
             "the checkpoint is of other ways of guiding; render with the settings it "
             "was made with");
-    chosen_ = chosen;
+    chosen_ = static_cast<int>(number);
 }
 
 }  // namespace nephele

@@ -62,8 +62,11 @@ class TechniqueChoice {
 
     /// For checkpoints: the number of the set chosen, -1 while there is none.
     int chosen() const { return chosen_; }
-    bool allows(double number) const { return number >= -1 && number < static_cast<double>(sets_.size()); }
-    void restore(int chosen);
+    bool allows(double number) const {
+        return number == -1 || number == 0 || (number == 1 && sets_.size() > 1);
+    }
+    /// Throws std::invalid_argument where `number` names no set.
+    void restore(double number);
 
   private:
     std::vector<Techniques> sets_{Techniques{}};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "guiding/vsp_buffer.h"
 
-#include <tbb/parallel_for.h>
-
+#include "base/parallel.h"
 #include "guiding/saved_rows.h"
 #include "math/sampler.h"
 
@@ -72,7 +71,7 @@ void VspBuffer::update() {
     }
     const auto of_volume = pool_with_noise(width_, height_, std::move(volume), {});
     const auto of_surface = pool_with_noise(width_, height_, std::move(surface), log_distance);
-    tbb::parallel_for(0, height_, [&](int y) { learn_row(y, of_volume, of_surface); });
+    parallel_for(0, height_, [&](int y) { learn_row(y, of_volume, of_surface); });
 }
 
 void VspBuffer::learn_row(int y, std::span<const Pooled> volume, std::span<const Pooled> surface) {

@@ -84,8 +84,8 @@ float octave(Vec3f p, int dimensions) {
 
 /// Sum of octaves, each finer and weaker than the one before.
 float fractal_sum(Vec3f p, const NoiseSettings& settings) {
-    const float detail = std::clamp(settings.detail, 0.0f, 15.0f),
-                roughness = std::max(settings.roughness, 0.0f);
+    const float detail = std::max(0.0f, std::min(settings.detail, 15.0f)),  // NaN counts as 0
+        roughness = std::max(settings.roughness, 0.0f);
     const int octaves = static_cast<int>(detail);
     const float rest = detail - std::floor(detail);
     float sum = 0, amplitude = 1, total = 0, frequency = 1;

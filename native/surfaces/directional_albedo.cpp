@@ -52,7 +52,7 @@ struct Place {
     float t;
 
     Place(float x, int count) {
-        const float scaled = clamp01(x) * static_cast<float>(count - 1);
+        const float scaled = (x > 0 ? std::min(x, 1.0f) : 0) * static_cast<float>(count - 1);  // NaN goes low
         i = std::min(static_cast<int>(scaled), count - 2);
         t = scaled - static_cast<float>(i);
     }

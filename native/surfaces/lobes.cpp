@@ -97,8 +97,16 @@ Rgb RoughDiffuse::albedo(Vec3f wo) const {
 // --- Plastic
 // -----------------------------------------------------------------------------------------------------
 
+namespace {
+
+/// Indices so near to 1 have no coat, and nothing that its roughness could change: the tables' ratios are 0 /
+/// 0.
+constexpr float kNoInterface = 1e-4f;
+
+}  // namespace
+
 PlasticBase::PlasticBase(Rgb base_color, float eta_, float roughness_, bool nonlinear)
-    : eta(eta_), roughness(roughness_) {
+    : eta(eta_), roughness(std::fabs(eta_ - 1) < kNoInterface ? 0 : roughness_) {
     float thrown_back = exact_fresnel_dielectric_mean(1 / eta);  // share of light from below
     if (roughness > 0) {
         thrown_back *= mean_dielectric_albedo(roughness, 1 / eta).reflected /

@@ -85,6 +85,8 @@ class Volume {
             v = random.between(0.2f, 1.5f);
         VolumeField field;
         field.components[0] = brick_grid_of_dense({0, 0, 0}, {8, 8, 8}, voxels.data());
+        field.bounds[0] =
+            std::make_shared<const CellBounds>(CellBounds::of_grid(*field.components[0], field.filter));
         fields = VolumeFields({field});
         set_point({0, 0, 0}, random);
     }

@@ -114,4 +114,24 @@ inline SceneSource fog_in(Mesh mesh, Vec3f scale = Vec3f(1)) {
     return source;
 }
 
+/// Fog in a box on a floor under a lamp, seen from above: all that a render learns is learned here.
+inline SceneSource lit_fog() {
+    SceneSource source = fog_in(box_mesh(Vec3f(-1), Vec3f(1)));
+    source.meshes.push_back(box_mesh(Vec3f(-4, -4, -1.2f), Vec3f(4, 4, -1)));
+    source.instances.push_back(instance_of(1));
+    LampDescription lamp;
+    lamp.name = "lamp";
+    lamp.kind = LampDescription::Kind::point;
+    lamp.power = Rgb(100);
+    lamp.radius = 0.1f;
+    const double at_the_side[16] = {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 3, 0, 0, 0, 1};
+    std::copy(std::begin(at_the_side), std::end(at_the_side), lamp.world_from_light);
+    source.lamps.push_back(lamp);
+    const double above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1};
+    std::copy(std::begin(above), std::end(above), source.camera.world_from_camera);
+    source.camera.left = source.camera.bottom = -0.5;
+    source.camera.right = source.camera.top = 0.5;
+    return source;
+}
+
 }  // namespace nephele::test

@@ -180,6 +180,18 @@ TEST(Film, RestoresWhatItSavedAndRefusesWhatDoesNotFit) {
     EXPECT_EQ(other.count(1, 1), 0u);  // a refused checkpoint changes nothing
 }
 
+TEST(Film, RefusesCountsThatAreNone) {
+    const PassId passes[] = {PassId::combined};
+    Film film(2, 1, passes);
+    film.add(0, 0, {}, 1);
+    for (const double wrong : {-1.0, 0.5, 4e9, 1e300, double{NAN}, double{INFINITY}}) {
+        auto saved = film.save();
+        saved.at("sample_count")[1] = wrong;
+        EXPECT_THROW(film.restore(saved), std::invalid_argument) << wrong;
+    }
+    EXPECT_EQ(film.count(0, 0), 1u) << "what is refused changes nothing";
+}
+
 TEST(Film, SamplesMayStandForSeveral) {
     Film film(1, 1, kSome, {.error = true, .weights = true});
     film.add(0, 0, sample_of(1), 1);

@@ -39,6 +39,16 @@ TEST(Plastic, BaseGathersWhatTheCoatThrowsBack) {
     }
 }
 
+// A coat of the same index as what is outside is none, however rough.
+TEST(Plastic, WithoutInterfaceIsItsBase) {
+    for (const float eta : {1.0f, 1.00005f, 1 / 1.00005f}) {
+        const PlasticBase base(Rgb(0.6f), eta, 0.7f, true);
+        const Vec3f wo = at_angle(40), wi = at_angle(-70);
+        EXPECT_NEAR(base.eval(wo, wi).f.x, 0.6f * wi.z / kPi, 1e-4f) << eta;
+        EXPECT_NEAR(base.albedo(wo).x, 0.6f, 1e-3f) << eta;
+    }
+}
+
 // What the coat reflects, and of the rest what the base returns through it: 1 where it is white. Draws take a
 // lobe each, so that the standard error of their mean is below 0.25 %.
 TEST(Plastic, LosesWhatItsClosedFormSays) {

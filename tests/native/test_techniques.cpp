@@ -98,7 +98,7 @@ TEST(Techniques, TakesUpWhatWasChosen) {
         EXPECT_EQ(choice.chosen(), chosen);
         EXPECT_EQ(choice.decided(), chosen >= 0);
     }
-    for (const int wrong : {-2, 2, 1000})
+    for (const double wrong : {-2.0, 2.0, 1000.0, 0.5, 1e30, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_THROW(choice.restore(wrong), std::invalid_argument);
     EXPECT_EQ(choice.chosen(), -1);
 }

@@ -5,6 +5,8 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -42,6 +44,21 @@ TEST_F(VdbFile, EveryTruncationOfAStreamIsAnError) {
         const std::string error = load_error("density");
         ASSERT_EQ(error.compare(0, path_.size(), path_), 0) << "length " << length << ": " << error;
     }
+}
+
+/// OpenVDB's own reader would first make room for a name of 3 GB.
+TEST_F(VdbFile, ALongNameOfATransformIsAnError) {
+    write({random_grid<openvdb::FloatGrid>(8, 0)});
+    std::vector<char> bytes = bytes_of(path_);
+    const std::string kind = "UniformScaleMap";
+    const auto place = std::search(bytes.begin(), bytes.end(), kind.begin(), kind.end());
+    ASSERT_NE(place, bytes.end());
+    const std::uint32_t length = 3469659854;
+    std::memcpy(&*(place - sizeof(length)), &length, sizeof(length));
+    std::ofstream(path_, std::ios::binary | std::ios::trunc)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    EXPECT_NE(load_error("density").find("a name of 3469659854 letters"), std::string::npos)
+        << load_error("density");
 }
 
 class DamagedVdbFile : public VdbFile, public testing::WithParamInterface<bool> {};
