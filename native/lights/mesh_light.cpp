@@ -72,7 +72,7 @@ float MeshLight::probability(std::uint32_t triangle) const {
     return choice_.probability(static_cast<std::size_t>(found - emissive_.begin()));
 }
 
-std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, float u_triangle, Vec2f u) const {
+std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, double u_triangle, Vec2f u) const {
     if (empty())
         return std::nullopt;
     const DiscreteDistribution::Choice chosen = choice_.sample(u_triangle);
