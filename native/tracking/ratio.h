@@ -17,7 +17,7 @@ inline bool survives_roulette(Rgb& T, Rng& rng) {
     if (largest >= kThreshold)
         return true;
     const float survive = largest / kThreshold;
-    if (rng.next() >= survive)
+    if (!rng.chance(survive))
         return false;
     T /= survive;
     return true;
@@ -32,14 +32,15 @@ inline Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters
     while (track.advance()) {
         const float end = track.piece_end(), majorant = track.majorant();
         const Rgb unit = track.unit() / std::max(majorant, 1e-30f);
-        while (majorant * (end - t) > tau) {
-            t = std::min(t + tau / majorant, end);
-            tau = rng.next_exponential();
-            T *= max(Rgb(1) - unit * track.scale(t, rng, counters), Rgb(0));
+        CandidateSteps steps(t, end, majorant, tau);
+        while (steps.more()) {
+            const float at = steps.at();
+            steps.advance(rng.next_exponential());
+            T *= max(Rgb(1) - unit * track.scale(at, rng, counters), Rgb(0));
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
-        tau -= majorant * (end - t);
+        tau = steps.beyond();
         t = end;
     }
     return T;
