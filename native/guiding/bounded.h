@@ -17,7 +17,7 @@ inline double bound_shares(std::vector<float>& values) {
         sum += double{v};
     }
     const double share = values.empty() ? 0 : std::max(0.02, 2.0 / static_cast<double>(values.size()));
-    constexpr int kMostRounds = 12;
+    constexpr int kMostRounds = 500;  // each takes at least a hundredth off
     for (int i = 0; i < kMostRounds && sum > 0; ++i) {
         const auto most = static_cast<float>(share * sum);
         double bounded = 0;

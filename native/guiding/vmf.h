@@ -17,7 +17,7 @@ inline constexpr float kLargestKappa = 1e5f;  ///< a lobe of 0.2 degrees
 
 /// The density on the axis: kappa / (2 pi (1 - exp(-2 kappa))), 1/sr.
 inline float vmf_peak(float kappa) {
-    if (kappa < 1e-4f)
+    if (kappa < 1e-6f)
         return kInv4Pi * (1 + kappa);
     return kappa / (2 * kPi * -std::expm1(-2 * kappa));
 }
@@ -34,7 +34,7 @@ inline float vmf_pdf(const VmfLobe& lobe, Vec3f w) {
 
 inline Vec3f vmf_sample(const VmfLobe& lobe, Vec2f u) {
     // cos - 1 = log(1 - u (1 - exp(-2 kappa))) / kappa, u = 0 on the axis.
-    const float less_one = lobe.kappa < 1e-4f
+    const float less_one = lobe.kappa < 1e-6f
                                ? -2 * u.x
                                : std::max(std::log1p(u.x * std::expm1(-2 * lobe.kappa)) / lobe.kappa, -2.0f);
     const float sine = std::sqrt(std::max(-less_one * (2 + less_one), 0.0f));

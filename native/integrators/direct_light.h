@@ -46,7 +46,9 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     const LightSet& lights = scene.lights();
     if (lights.empty())
         return std::nullopt;
-    const Vec2f choice = sampler.next2(), u = sampler.next2();
+    const Vec2d choice = sampler.next_pair().fine();
+    const RandomPair pair = sampler.next_pair();
+    const Vec2f u = pair.coarse();
     float probability = 0;
     const auto number = lights.select(p, choice.x, probability);
     if (!number || (light_visibility(scene, *number) & ray_kind) == 0)
@@ -74,7 +76,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
         out.target = offset_point(point.p, point.ng);
     } else {
-        const EnvironmentLight::Sample s = lights.world()->sample(u);
+        const EnvironmentLight::Sample s = lights.world()->sample(pair.fine());
         out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};
     }
     if (!(out.light.pdf > 0) || is_zero(out.light.Li))

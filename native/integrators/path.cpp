@@ -293,7 +293,7 @@ class Path : private PathLight<k> {
         ++walk_.bounces;
         if (!walk_.weighed && walk_.bounces > settings_.roulette_depth) {
             const float survive = std::min(1.0f, max_component(walk_.beta));
-            if (sampler_.rng().next() >= survive)
+            if (!sampler_.rng().chance(survive))
                 return false;
             walk_.beta /= survive;
         }

@@ -63,7 +63,7 @@ class SegmentGuiding {
         Flight flight{Flight::Event::absorbed, stream.t, stream.emitted, stream.albedo};
         const VspWeights& w = stream.weights;
         const float before = record_.probability;  // of having passed so far
-        const bool scatters = p > 0 && rng.next() < p;
+        const bool scatters = rng.chance(p);
         note(w.volume * before, w.surface * before, distance);
         record_.transmittance *= w.passing_share;
         record_.majorant_depth += stream.majorant_depth;

@@ -16,8 +16,8 @@ DiscreteDistribution::DiscreteDistribution(std::span<const float> weights) : sum
     }
 }
 
-DiscreteDistribution::Choice DiscreteDistribution::sample(float u) const {
-    const double target = static_cast<double>(u) * total();
+DiscreteDistribution::Choice DiscreteDistribution::sample(double u) const {
+    const double target = u * total();
     // The first sum above the target: entries of weight 0 repeat the sum before them and are stepped over.
     auto found = std::upper_bound(sums_.begin(), sums_.end(), target);
     if (found == sums_.end())

@@ -28,7 +28,7 @@ class DiscreteDistribution {
         float probability;
         float u;
     };
-    Choice sample(float u) const;
+    Choice sample(double u) const;
     /// Probability of index i; 0 for an empty distribution.
     float probability(std::size_t i) const { return empty() ? 0 : static_cast<float>(weight(i) / total()); }
 

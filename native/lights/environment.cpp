@@ -90,14 +90,19 @@ void EnvironmentLight::build(const std::vector<float>& weights) {
     marginal_ = DiscreteDistribution(row_weights);
 }
 
-EnvironmentLight::Sample EnvironmentLight::sample(Vec2f u) const {
+EnvironmentLight::Sample EnvironmentLight::sample(Vec2d u) const {
+    constexpr double kUniform = double{kUniformShare};
+    const auto sphere = [&](double share) {
+        return sample_sphere({std::min(static_cast<float>(u.x / share), kOneMinusEpsilon),
+                              std::min(static_cast<float>(u.y), kOneMinusEpsilon)});
+    };
     if (constant())
-        return {sample_sphere(u), kInv4Pi};
-    if (u.x < kUniformShare) {
-        const Vec3f wi = sample_sphere({u.x / kUniformShare, u.y});
+        return {sphere(1), kInv4Pi};
+    if (u.x < kUniform) {
+        const Vec3f wi = sphere(kUniform);
         return {wi, pdf(wi)};
     }
-    const float ux = std::min((u.x - kUniformShare) / (1 - kUniformShare), kOneMinusEpsilon);
+    const double ux = (u.x - kUniform) / (1 - kUniform);
     const DiscreteDistribution::Choice row = marginal_.sample(u.y);
     const DiscreteDistribution::Choice cell = rows_[row.index].sample(ux);
     const double lower = cos_of_row(static_cast<int>(row.index)),

@@ -27,7 +27,7 @@ class EnvironmentLight {
         Vec3f wi;
         float pdf;
     };
-    Sample sample(Vec2f u) const;
+    Sample sample(Vec2d u) const;
     float pdf(Vec3f wi) const;
 
     bool black() const { return is_zero(mean_radiance_); }

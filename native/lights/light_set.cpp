@@ -64,7 +64,7 @@ float LightSet::fluence(Vec3f p) const {
     return sum;
 }
 
-std::optional<std::uint32_t> LightSet::select(Vec3f p, float u, float& probability) const {
+std::optional<std::uint32_t> LightSet::select(Vec3f p, double u, float& probability) const {
     // Weights of the first lights are kept; more than kStored lights at infinity are weighed twice instead.
     constexpr std::size_t kStored = 2 * kListSize;
     std::array<float, kStored> stored;

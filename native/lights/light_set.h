@@ -48,7 +48,7 @@ class LightSet {
     std::uint32_t world_number() const { return static_cast<std::uint32_t>(lamps_.size() + meshes_.size()); }
 
     /// A light's number for u in [0,1), with its probability; none where no light can contribute at p.
-    std::optional<std::uint32_t> select(Vec3f p, float u, float& probability) const;
+    std::optional<std::uint32_t> select(Vec3f p, double u, float& probability) const;
     /// Probability with which `select` returns this light at p.
     float selection_pdf(Vec3f p, std::uint32_t light) const;
 

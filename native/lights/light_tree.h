@@ -63,7 +63,7 @@ class LightTree {
     /// Probability of the left child of an inner node.
     double left_probability(const Node& node, Vec3f p) const {
         const double left = weight(nodes_[node.first], p), right = weight(nodes_[node.first + 1], p);
-        return left / (left + right);
+        return left + right > 0 ? left / (left + right) : 0.5;  // both may be too little for a float
     }
 
     std::vector<Node> nodes_;

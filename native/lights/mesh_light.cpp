@@ -78,7 +78,7 @@ float MeshLight::probability(std::uint32_t triangle) const {
     return choice_->triangles.probability(static_cast<std::size_t>(found - choice_->emissive.begin()));
 }
 
-std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, float u_triangle, Vec2f u) const {
+std::optional<MeshLight::Sample> MeshLight::sample(Vec3f p, double u_triangle, Vec2f u) const {
     if (empty())
         return std::nullopt;
     const DiscreteDistribution::Choice chosen = choice_->triangles.sample(u_triangle);

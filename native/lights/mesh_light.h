@@ -44,7 +44,7 @@ class MeshLight {
         Vec3f ng;  ///< unit geometric normal, world space, by the order of the corners (mirroring undone)
     };
     /// A direction from p. None where the chosen triangle is seen edge-on from p, or degenerate.
-    std::optional<Sample> sample(Vec3f p, float u_triangle, Vec2f u) const;
+    std::optional<Sample> sample(Vec3f p, double u_triangle, Vec2f u) const;
     /// Density of `sample` at a point on a triangle, solid angle at p: for a ray from p that hit `point`.
     float pdf(std::uint32_t triangle, Vec3f p, Vec3f point) const;
 

@@ -26,10 +26,13 @@ inline SphericalRectangle::SphericalRectangle(double x0, double x1, double y0, d
     : x0_(x0), x1_(x1), y0_(y0), y1_(y1), z0_(-height) {
     // z components of the unit normals of the planes through the origin and the four edges.
     const auto normal_z = [this](double edge) { return edge / std::sqrt(z0_ * z0_ + edge * edge); };
-    const double n0 = -normal_z(y0), n1 = normal_z(x1), n2 = normal_z(y1), n3 = -normal_z(x0);
+    const double n0 = -normal_z(y0), n2 = normal_z(y1);
     // The paper's internal angles are pi/2 + asin(n n'), so that their sum less 2 pi is the sum of the asin.
-    const auto angle = [](double a, double b) { return std::asin(std::clamp(a * b, -1.0, 1.0)); };
-    const double g0 = angle(n0, n1), g1 = angle(n1, n2), g2 = angle(n2, n3), g3 = angle(n3, n0);
+    // Written as arc tangents of the edges they keep their digits for points in the rectangle's plane.
+    const auto angle = [&](double a, double b) {
+        return std::atan2(a * b, height * std::sqrt(height * height + a * a + b * b));
+    };
+    const double g0 = -angle(y0, x1), g1 = angle(x1, y1), g2 = -angle(y1, x0), g3 = angle(x0, y0);
     solid_angle_ = g0 + g1 + g2 + g3;
     b0_ = n0;
     b1_ = n2;

@@ -12,7 +12,7 @@ struct SpotLight {
     PointLight lamp;
     Vec3f axis_x, axis_y,
         axis_z;            ///< unit axes over their scales: v -> (v.x, v.y, v.z) scales into the lamp's space
-    float cos_edge = 0;    ///< of the cone's half angle
+    float edge = 0;        ///< 1 - cosine of the cone's half angle: narrow cones keep their digits
     float edge_width = 0;  ///< in cosine, over which the edge fades; 0: hard
 
     static SpotLight prepare(const LampDescription& lamp) {
@@ -21,19 +21,20 @@ struct SpotLight {
         s.axis_x = lamp.axis(0) / lamp.scale(0);
         s.axis_y = lamp.axis(1) / lamp.scale(1);
         s.axis_z = lamp.axis(2) / lamp.scale(2);
-        s.cos_edge = std::cos(lamp.spot_size / 2);
-        s.edge_width = (1 - s.cos_edge) * lamp.spot_blend;
+        s.edge = 2 * sqr(std::sin(lamp.spot_size / 4));
+        s.edge_width = s.edge * lamp.spot_blend;
         return s;
     }
 
     bool delta() const { return lamp.delta(); }
     /// Flux through the cone as if it had a hard edge and no squeeze, W.
-    Rgb power() const { return lamp.power() * (0.5f * (1 - cos_edge)); }
+    Rgb power() const { return lamp.power() * (0.5f * edge); }
 
     /// Share of the radiance left in the direction w of travel, away from the lamp; smoothstep over the edge.
     float falloff(Vec3f w) const {
         const Vec3f v = safe_normalize({dot(w, axis_x), dot(w, axis_y), dot(w, axis_z)});
-        const float inside = -v.z - cos_edge;
+        const float sine2 = v.x * v.x + v.y * v.y;
+        const float inside = edge - (v.z < 0 ? sine2 / (1 - v.z) : 1 + v.z);  // from 1 - cosine
         if (inside <= 0)
             return 0;
         if (inside >= edge_width)

@@ -16,7 +16,7 @@ struct SunLight {
     static SunLight prepare(const LampDescription& lamp) {
         SunLight s;
         s.to_sun = lamp.axis(2);
-        const float half = std::clamp(lamp.angle / 2, 0.0f, kPi);
+        const float half = std::clamp(lamp.angle / 2, 0.0f, kPi / 2);
         s.one_minus_cos = 2 * sqr(std::sin(half / 2));
         // Below single precision's resolution of directions the disc is a point: its irradiance counts.
         if (half < 1e-7f)

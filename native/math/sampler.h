@@ -25,6 +25,15 @@ constexpr float unit_float(std::uint32_t x) {
     return static_cast<float>(x >> 8) * 0x1p-24f;
 }
 
+/// Two random words, as numbers in [0, 1).
+struct RandomPair {
+    std::uint32_t x, y;
+
+    Vec2f coarse() const { return {unit_float(x), unit_float(y)}; }
+    /// All 32 bits: to choose one of many, whose probability may be no multiple of 2^-24.
+    Vec2d fine() const { return {x * 0x1p-32, y * 0x1p-32}; }
+};
+
 /// PCG32: 64-bit state, 32-bit output.
 class Rng {
   public:
@@ -42,6 +51,13 @@ class Rng {
     Vec2f next2() {
         const float a = next();
         return {a, next()};
+    }
+    /// True with probability p to 56 bits: where p is small, what happens with it weighs 1 / p, and next() < p
+    /// would be true far too often below 2^-24.
+    bool chance(float p) {
+        const double scaled = double{p} * 0x1p32, whole = std::floor(scaled);
+        const double drawn = next_uint();
+        return drawn == whole ? double{next()} < scaled - whole : drawn < whole;
     }
     /// Three numbers of 21 bits each from two draws, for decisions that need no more.
     Vec3f next3() {
@@ -109,9 +125,11 @@ class PathSampler {
           rng_(hash_combine(pixel_seed_, sample)),
           pairs_(structured ? kStructuredPairs : 0) {}
 
-    Vec2f next2() {
-        if (pair_ >= pairs_)
-            return rng_.next2();
+    RandomPair next_pair() {
+        if (pair_ >= pairs_) {
+            const std::uint32_t x = rng_.next_uint();
+            return {x, rng_.next_uint()};
+        }
         const std::uint64_t h = hash_combine(pixel_seed_, static_cast<std::uint64_t>(pair_++) + 0x5eed);
         const std::uint32_t reversed_index =
             sobol::laine_karras(reversed_sample_, static_cast<std::uint32_t>(h));
@@ -120,8 +138,9 @@ class PathSampler {
         const std::uint32_t x =
             sobol::reverse_bits(sobol::laine_karras(sobol::reverse_bits(reversed_index), hx));
         const std::uint32_t y = sobol::owen_scramble(sobol::second_dimension(reversed_index), hy);
-        return {unit_float(x), unit_float(y)};
+        return {x, y};
     }
+    Vec2f next2() { return next_pair().coarse(); }
     float next() { return next2().x; }
     Rng& rng() { return rng_; }
     /// From here on this sample shares no structure with samples of other epochs. What a path learns from

@@ -19,6 +19,15 @@ struct Vec2f {
     float x = 0, y = 0;
 };
 
+/// For what single precision is too coarse for.
+struct Vec2d {
+    double x = 0, y = 0;
+
+    constexpr Vec2d() = default;
+    constexpr Vec2d(double vx, double vy) : x(vx), y(vy) {}
+    constexpr Vec2d(Vec2f v) : x(v.x), y(v.y) {}
+};
+
 struct Vec3f {
     float x = 0, y = 0, z = 0;
 
@@ -68,8 +77,16 @@ constexpr float dot(Vec3f a, Vec3f b) {
 constexpr Vec3f cross(Vec3f a, Vec3f b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+/// |a|, also where its square is no float: then of the vector over its largest component.
 inline float length(Vec3f a) {
-    return std::sqrt(dot(a, a));
+    const float square = dot(a, a);
+    if (square > 1e-30f && square < 1e30f) [[likely]]
+        return std::sqrt(square);
+    const float largest = std::max(std::fabs(a.x), std::max(std::fabs(a.y), std::fabs(a.z)));
+    if (!(largest > 0 && largest < kInfinity))
+        return std::sqrt(square);  // of 0, infinity or NaN
+    const Vec3f b = Vec3f(a.x / largest, a.y / largest, a.z / largest);
+    return largest * std::sqrt(dot(b, b));
 }
 inline Vec3f normalize(Vec3f a) {
     return a / length(a);

@@ -57,14 +57,14 @@ struct FournierForand {
         const double delta = scale * h, x = delta - 1;
         // a, b: (v (1 - delta) - 1 + delta^v) and (delta (1 - delta^v) - v (1 - delta)), over (1 - delta)^2
         // c: (1 - delta^v) / (1 - delta)
-        const double w = v, power = std::exp(w * std::log(delta));
+        const double w = v, power_less_one = std::expm1(w * std::log(delta)), power = 1 + power_less_one;
         double a, b, c;
         if (std::fabs(x) < 1e-3) {
             c = w * (1 + (w - 1) / 2 * x * (1 + (w - 2) / 3 * x * (1 + (w - 3) / 4 * x)));
             a = w * (w - 1) / 2 * (1 + (w - 2) / 3 * x * (1 + (w - 3) / 4 * x));
             b = -w * (w + 1) / 2 * (1 + (w - 1) / 3 * x * (1 + (w - 2) / 4 * x));
         } else {
-            c = (power - 1) / x;
+            c = power_less_one / x;
             a = (c - w) / x;
             b = -((1 + x) * c - w) / x;
         }

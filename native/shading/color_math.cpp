@@ -133,7 +133,8 @@ Vec3f hsl_from_rgb(Rgb c) {
                 lightness = 0.5f * (high + low);
     if (range <= 0)
         return {0, 0, lightness};
-    return {hue_of(c, high, range), range / (lightness > 0.5f ? 2 - high - low : high + low), lightness};
+    const float most = lightness > 0.5f ? 2 - high - low : high + low;  // may be 0 outside of [0, 1]
+    return {hue_of(c, high, range), most != 0 ? range / most : 0, lightness};
 }
 
 Rgb rgb_from_hsl(Vec3f hsl) {

@@ -145,7 +145,7 @@ struct Inputs {
     float unit(int i) const { return std::min(color(i).x, 1.0f); }
     /// ior beyond the surface / ior on wo's side, where the input is that of the inside.
     float eta(int i) const {
-        const float ior = std::max(color(i).x, 1e-5f) / point.outside_ior;
+        const float ior = bounded_ior(color(i).x) / point.outside_ior;
         return point.backfacing ? 1 / ior : ior;
     }
     Distribution distribution() const { return static_cast<Distribution>(row.mode); }
@@ -201,7 +201,7 @@ void add_refraction(Bsdf& bsdf, const Inputs& in) {
 
 void add_plastic(Bsdf& bsdf, const Inputs& in) {
     // Opaque: either side has the coat outside.
-    const float eta = std::max(in.color(plastic_input::ior).x, 1e-5f) / in.point.outside_ior;
+    const float eta = bounded_ior(in.color(plastic_input::ior).x) / in.point.outside_ior;
     const float roughness = in.unit(plastic_input::roughness);
     const Vec3f n = in.bent(plastic_input::normal);
     const Reflection coat =

@@ -33,7 +33,7 @@ std::optional<std::int16_t> ior_register(const Program& program) {
 }
 
 float ior_of(Vec3f value) {
-    return std::max(finite(value).x, 1e-5f);
+    return bounded_ior(finite(value).x);
 }
 
 class TraitsFinder {

@@ -11,9 +11,12 @@ namespace nephele {
 /// Unpolarised reflectance of a smooth dielectric. cos_t: cosine of the refracted direction, 0 at total
 /// reflection.
 inline float fresnel_dielectric(float cos_i, float eta, float& cos_t) {
-    const float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
-    cos_t = std::sqrt(std::max(0.0f, 1 - sin2_t));
-    if (sin2_t >= 1)
+    // eta^2 - sin^2: near normal incidence, and at grazing angles where the index is near 1, only one form
+    // has digits.
+    const float eta2_cos2_t =
+        cos_i < 0.7f ? (eta - 1) * (eta + 1) + cos_i * cos_i : eta * eta - (1 - cos_i) * (1 + cos_i);
+    cos_t = std::sqrt(std::max(0.0f, eta2_cos2_t)) / eta;
+    if (eta2_cos2_t <= 0)
         return 1;
     const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -24,13 +27,28 @@ inline float fresnel_dielectric(float cos_i, float eta) {
     return fresnel_dielectric(cos_i, eta, cos_t);
 }
 
+/// An index whose square, and that of its ratio to another, is a float.
+constexpr float bounded_ior(float ior) {
+    return std::clamp(ior, 1e-5f, 1e5f);
+}
+
 /// Reflectance at normal incidence, and the index above 1 that has it.
 constexpr float f0_from_ior(float ior) {
     return sqr((ior - 1) / (ior + 1));
 }
+/// 1 - f0_from_ior(ior); 0 only where the index is beyond all measure.
+constexpr float range_from_ior(float ior) {
+    return ior / (ior + 1) * (4 / (ior + 1));
+}
 inline float ior_from_f0(float f0) {
     const float root = std::sqrt(std::clamp(f0, 0.0f, 0.99f));
     return (1 + root) / (1 - root);
+}
+
+/// Light's path inside a layer of this index >= 1, in units of its thickness: 1 / cosine there. Infinite only
+/// for light that grazes a layer of index 1.
+inline float path_through_coat(float mu, float ior) {
+    return ior / std::sqrt((ior - 1) * (ior + 1) + mu * mu);
 }
 
 /// Cosine-weighted mean of fresnel_dielectric over the hemisphere (fit of Kulla and Conty 2017, "Revisiting
@@ -100,8 +118,8 @@ struct Fresnel {
 
     /// Moves the index's reflectance `real`, or a mean of it, to the range from f0 to 1.
     Rgb remapped(float real) const {
-        const float real_f0 = f0_from_ior(eta);
-        return f0 + (Rgb(1) - f0) * clamp01((real - real_f0) / (1 - real_f0));
+        const float range = range_from_ior(eta);
+        return range > 0 ? f0 + (Rgb(1) - f0) * clamp01((real - f0_from_ior(eta)) / range) : f0;
     }
 };
 

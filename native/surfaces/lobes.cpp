@@ -108,7 +108,7 @@ constexpr float kNoInterface = 1e-4f;
 PlasticBase::PlasticBase(Rgb base_color, float eta_, float roughness_, bool nonlinear)
     : eta(eta_), roughness(std::fabs(eta_ - 1) < kNoInterface ? 0 : roughness_) {
     float thrown_back = exact_fresnel_dielectric_mean(1 / eta);  // share of light from below
-    if (roughness > 0) {
+    if (roughness > 0 && thrown_back > 0) {                      // a coat of index 1 throws nothing back
         thrown_back *= mean_dielectric_albedo(roughness, 1 / eta).reflected /
                        mean_dielectric_albedo(0, 1 / eta).reflected;
         // Never more than does not get out: the tables are coarse where total reflection begins.

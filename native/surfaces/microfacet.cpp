@@ -47,9 +47,9 @@ LobeSample sample_of(Vec3f wi, const LobeValue& value, Rgb color, float probabil
 
 /// Albedo of a dielectric-like Fresnel curve, given the real interface's reflected share and the white one's.
 Rgb curve_albedo(const Fresnel& fresnel, float reflected, float white) {
-    const float real_f0 = f0_from_ior(fresnel.eta);
-    return fresnel.f0 * white +
-           (Rgb(1) - fresnel.f0) * std::max(0.0f, (reflected - real_f0 * white) / (1 - real_f0));
+    const float real_f0 = f0_from_ior(fresnel.eta), range = range_from_ior(fresnel.eta);
+    const float above = range > 0 ? std::max(0.0f, (reflected - real_f0 * white) / range) : 0;
+    return fresnel.f0 * white + (Rgb(1) - fresnel.f0) * std::min(above, 1.0f);
 }
 
 }  // namespace
@@ -162,7 +162,8 @@ Rgb Dielectric::albedo(Vec3f wo) const {
         return transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white));
     }
     const Rgb back = curve_albedo(fresnel, reflected, white);
-    const Rgb through = (Rgb(1) - fresnel.f0) * (transmitted / (1 - f0_from_ior(fresnel.eta)));
+    const float range = range_from_ior(fresnel.eta);
+    const Rgb through = (Rgb(1) - fresnel.f0) * (range > 0 ? std::min(transmitted / range, 1.0f) : 0);
     return (reflection_tint * back + transmission_tint * through) * scale;
 }
 

@@ -22,15 +22,17 @@ struct Microfacet {
 
     /// Density of normals h (h.z > 0) per solid angle and projected area.
     float D(Vec3f h) const {
-        const float cos2 = h.z * h.z, tan2 = (h.x * h.x + h.y * h.y) / (alpha * alpha * cos2);
-        if (beckmann)
-            return std::exp(-tan2) / (kPi * alpha * alpha * cos2 * cos2);
-        return 1 / (kPi * sqr(alpha * cos2 * (1 + tan2)));
+        const float cos2 = h.z * h.z, sin2 = h.x * h.x + h.y * h.y;
+        if (!beckmann)
+            return 1 / (kPi * sqr(alpha * cos2 + sin2 / alpha));
+        const float d = std::exp(-sin2 / (alpha * alpha * cos2));
+        return d > 0 ? d / (kPi * sqr(alpha * cos2)) : 0;  // near the horizon both are 0
     }
 
     /// Smith's Lambda of a direction on either side.
     float Lambda(Vec3f w) const {
-        const float tan2 = alpha * alpha * (w.x * w.x + w.y * w.y) / (w.z * w.z);
+        constexpr float kLeastCos2 = 1e-36f;  // the square of less is no float
+        const float tan2 = alpha * alpha * (w.x * w.x + w.y * w.y) / std::max(w.z * w.z, kLeastCos2);
         if (!beckmann)
             return 0.5f * (std::sqrt(1 + tan2) - 1);
         if (tan2 == 0)

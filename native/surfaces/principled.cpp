@@ -51,18 +51,18 @@ Rgb add_coat(const Principled& p, Rgb weight, Bsdf* bsdf) {
     if (amount == 0)
         return weight;
     const Vec3f n = p.normal(principled_input::coat_normal);
-    const float mu = dot(n, p.point.wo), ior = std::max(p.value(principled_input::coat_ior), 1.0f);
+    const float mu = dot(n, p.point.wo),
+                ior = std::max(bounded_ior(p.value(principled_input::coat_ior)), 1.0f);
     const float roughness = p.unit(principled_input::coat_roughness);
     const Reflection coat = make_reflection(p.distribution(), roughness, Fresnel::dielectric(ior), mu);
     if (bsdf)
         bsdf->add(coat, weight * amount, n);
     const Rgb beneath = under_layer(weight, amount * coat.albedo({0, 0, mu}));
 
-    const Rgb tint = p.color(principled_input::coat_tint);
+    const Rgb tint = min(p.color(principled_input::coat_tint), Rgb(1));
     if (tint == Rgb(1))
         return beneath;
-    const float depth =
-        1 / std::sqrt(1 - (1 - mu * mu) / (ior * ior));  // path inside, in units of the thickness
+    const float depth = path_through_coat(mu, ior);
     const Rgb absorbed(std::pow(tint.x, depth), std::pow(tint.y, depth), std::pow(tint.z, depth));
     return beneath * lerp(Rgb(1), absorbed, amount);
 }
@@ -83,7 +83,7 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
     const float amount = p.unit(principled_input::transmission_weight);
     if (amount == 0)
         return weight;
-    const float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior;
+    const float ior = bounded_ior(p.value(principled_input::ior)) / p.point.outside_ior;
     const auto [n, eta] =
         seen_interface(closure_normal(p.row.inputs[principled_input::normal], p.registers, p.point),
                        p.point.backfacing ? 1 / ior : ior, p.point.wo);
@@ -100,7 +100,7 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
 
 /// The dielectric reflection over the diffuse base.
 Rgb add_specular(const Principled& p, Rgb weight, Bsdf& bsdf) {
-    float ior = std::max(p.value(principled_input::ior), 1e-5f) / p.point.outside_ior, f0 = f0_from_ior(ior);
+    float ior = bounded_ior(p.value(principled_input::ior)) / p.point.outside_ior, f0 = f0_from_ior(ior);
     const float level = p.value(principled_input::specular_ior_level);
     if (level != 0.5f) {  // scales the reflectance, and bends the curve to match
         f0 = std::min(f0 * 2 * level, 0.99f);

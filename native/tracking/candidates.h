@@ -186,6 +186,31 @@ void for_each_piece(std::vector<MajorantTrack>& tracks, float t, Piece&& piece) 
     }
 }
 
+/// Where the candidates of one piece of a ray are. Their optical depth counts from the piece's start: steps
+/// added to t itself would be lost where they are shorter than its last place.
+class CandidateSteps {
+  public:
+    /// tau: optical depth to the first candidate.
+    CandidateSteps(float t0, float end, float rate, float tau)
+        : t0_(t0),
+          end_(end),
+          length_per_depth_(1 / double{rate}),
+          depth_(rate > 0 ? double{rate} * (double{end} - double{t0}) : 0),
+          next_(double{tau}) {}
+
+    /// Whether another candidate lies on the piece, and where.
+    bool more() const { return next_ < depth_; }
+    float at() const { return std::min(static_cast<float>(t0_ + next_ * length_per_depth_), end_); }
+    /// Goes on to the candidate that is `tau` of optical depth away.
+    void advance(float tau) { next_ += double{tau}; }
+    /// Optical depth from the piece's end to the next candidate.
+    float beyond() const { return static_cast<float>(next_ - depth_); }
+
+  private:
+    float t0_, end_;
+    double length_per_depth_, depth_, next_;
+};
+
 /// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
 /// events (candidates and piece ends), `candidate(t, rate, tracks)` for every candidate; it returns false to
 /// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t.
@@ -196,16 +221,17 @@ void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float s
     float tau = next_depth();
     for_each_piece<k>(tracks, start, [&](float t, float end, float majorant) {
         const float rate = majorant * scale;
-        while (rate * (end - t) > tau) {
-            const float at = std::min(t + tau / rate, end);
+        CandidateSteps steps(t, end, rate, tau);
+        while (steps.more()) {
+            const float at = steps.at();
             piece(t, at);
             t = at;
-            tau = next_depth();
+            steps.advance(next_depth());
             if (!candidate(t, rate, tracks))
                 return false;
         }
         piece(t, end);
-        tau -= rate > 0 ? rate * (end - t) : 0;
+        tau = steps.beyond();
         return true;
     });
 }

@@ -73,7 +73,7 @@ Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bo
         if (known + rest == 0)
             return detail::absorb(flight, t);
         const float p_control = known / (known + rest);
-        if (rng.next() < p_control) {
+        if (rng.chance(p_control)) {
             detail::control_at<k>(scratch, t, true);
             beta *= control.sigma_s / (majorant * p_control);
             detail::meet(flight, t, control, false, before, beta, rng);
@@ -85,7 +85,7 @@ Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bo
         if (real + null == 0)
             return detail::absorb(flight, t);
         const float p_residual = real / (real + null), scale = 1 / (majorant * (1 - p_control));
-        if (rng.next() >= p_residual) {
+        if (!rng.chance(p_residual)) {
             beta *= sigma_n * (scale / (1 - p_residual));
             return true;
         }

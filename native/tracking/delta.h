@@ -25,7 +25,7 @@ Flight delta_flight(const Segment& segment, TrackingScratch& scratch, bool analo
         if (real + null == 0)
             return detail::absorb(flight, t);
         const float p = real / (real + null);
-        if (rng.next() >= p) {
+        if (!rng.chance(p)) {
             beta *= sigma_n / (majorant * (1 - p));
             return true;
         }

@@ -135,7 +135,7 @@ std::optional<float> escape_deep_media(const TrackingScratch& scratch, float t, 
     if (is_zero(free))
         return std::nullopt;
     const float p = mean(free) / mean(beta);
-    const bool escapes = rng.next() < p;
+    const bool escapes = rng.chance(p);
     beta = escapes ? free / p : bound / (1 - p);
     return escapes ? std::optional(end) : std::nullopt;
 }
@@ -149,7 +149,7 @@ inline void meet(Flight& flight, float t, const Coefficients& c, bool analog, fl
     flight.albedo = c.sigma_s / max(c.sigma_t, Rgb(1e-30f));
     if (analog) {
         const float survive = mean(beta) / before;
-        if (rng.next() >= survive)
+        if (!rng.chance(survive))
             flight.event = Flight::Event::absorbed;
         if (survive > 0)
             beta /= survive;

@@ -10,6 +10,34 @@
 
 namespace nephele {
 
+/// A light as seen from the ray: where it is nearest, and how near, its size included.
+struct LightView {
+    float t = 0, distance = 1;
+
+    /// Angle between the directions to a and b >= a. Not a difference of angles, of which nothing is left
+    /// far from the light.
+    float between(float a, float b) const {
+        if (a == b)
+            return 0;
+        const double x = (double{a} - double{t}) / double{distance};
+        if (b == kInfinity)
+            return x > 0 ? std::atan(static_cast<float>(1 / x)) : kPi / 2 + std::atan(static_cast<float>(-x));
+        const double y = (double{b} - double{t}) / double{distance}, ahead = 1 + x * y;
+        const double across = (double{b} - double{a}) / double{distance};
+        const float angle = std::atan(static_cast<float>(across / ahead));
+        return ahead >= 0 ? angle : angle + kPi;
+    }
+    /// The point whose direction is that to a turned by `angle` >= 0.
+    float turned(float a, float angle) const {
+        const double x = (double{a} - double{t}) / double{distance};
+        const double sine = std::sin(double{angle}),
+                     ahead = std::cos(double{angle}) - x * sine;  // <= 0: behind, once around
+        if (!(ahead > 0) || angle >= kPi)
+            return kInfinity;
+        return static_cast<float>(double{a} + double{distance} * sine * (1 + x * x) / ahead);
+    }
+};
+
 class LightEstimate {
   public:
     /// For the part [t0, t1] of the ray; t1 may be infinite. One light is drawn for the virtual density.
@@ -17,12 +45,12 @@ class LightEstimate {
         : lights_(&lights), ray_(ray) {
         float reach = 0, total = 0;
         for (const LightBounds& light : lights.near_lights()) {
-            const View view = view_of(light);
+            const LightView view = view_of(light);
             reach = std::max(reach, std::max(view.t - t0, 0.0f) + 2 * view.distance);
         }
         const float end = std::min(t1, t0 + reach);
         for (const LightBounds& light : lights.near_lights()) {
-            const View view = view_of(light);
+            const LightView view = view_of(light);
             const float peak = light.intensity / (view.distance * view.distance);
             const float angle = view.between(t0, end);
             const float share = light.intensity / view.distance * angle;  // integral of intensity / d^2
@@ -60,35 +88,7 @@ class LightEstimate {
     }
 
   private:
-    /// A light as seen from the ray: where it is nearest, and how near, its size included.
-    struct View {
-        float t = 0, distance = 1;
-
-        /// Angle between the directions to a and b >= a. Not a difference of angles, of which nothing is left
-        /// far from the light.
-        float between(float a, float b) const {
-            if (a == b)
-                return 0;
-            const double x = (double{a} - double{t}) / double{distance};
-            if (b == kInfinity)
-                return x > 0 ? std::atan(static_cast<float>(1 / x))
-                             : kPi / 2 + std::atan(static_cast<float>(-x));
-            const double y = (double{b} - double{t}) / double{distance}, ahead = 1 + x * y;
-            const double across = (double{b} - double{a}) / double{distance};
-            const float angle = std::atan(static_cast<float>(across / ahead));
-            return ahead >= 0 ? angle : angle + kPi;
-        }
-        /// The point whose direction is that to a turned by `angle` >= 0.
-        float turned(float a, float angle) const {
-            const double x = (double{a} - double{t}) / double{distance};
-            const double sine = std::sin(double{angle}),
-                         ahead = std::cos(double{angle}) - x * sine;  // <= 0: behind, once around
-            if (!(ahead > 0) || angle >= kPi)
-                return kInfinity;
-            return static_cast<float>(double{a} + double{distance} * sine * (1 + x * x) / ahead);
-        }
-    };
-    View view_of(const LightBounds& light) const {
+    LightView view_of(const LightBounds& light) const {
         const Vec3f to_centre = (light.lower + light.upper) * 0.5f - ray_.o;
         const float t = dot(to_centre, ray_.d) / dot(ray_.d, ray_.d);
         const float radius = length(light.upper - light.lower) / 4;
@@ -107,7 +107,7 @@ class LightEstimate {
 
     const LightSet* lights_;
     Ray ray_;
-    View view_;
+    LightView view_;
     float angle_ = 1, mean_ = 0, peak_ = 0;
 };
 

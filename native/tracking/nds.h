@@ -91,7 +91,7 @@ bool raised_event(Flight& flight, TrackingScratch& scratch, float t, float rate,
     constexpr float kMost = 0.9999f;
     float p = real / (real + null);
     p = null > 0 ? std::min(std::max(raised(p), p), std::max(p, kMost)) : 1;
-    if (rng.next() >= p) {
+    if (!rng.chance(p)) {
         beta *= sigma_n / (rate * (1 - p));
         return true;
     }

@@ -20,7 +20,7 @@ bool survives_roulette(Transmittance& T, Rng& rng) {
     if (largest >= kThreshold)
         return true;
     const float survive = largest / kThreshold;
-    if (rng.next() >= survive)
+    if (!rng.chance(survive))
         return false;
     T /= survive;
     return true;
@@ -36,10 +36,11 @@ Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters) {
     while (track.advance()) {
         const float end = track.piece_end(), majorant = track.majorant();
         const Rgb unit = track.unit<k>() / std::max(majorant, 1e-30f);
-        while (majorant * (end - t) > tau) {
-            t = std::min(t + tau / majorant, end);
-            tau = rng.next_exponential();
-            const Rgb scale = track.scale<k>(t, rng, counters);
+        CandidateSteps steps(t, end, majorant, tau);
+        while (steps.more()) {
+            const float at = steps.at();
+            steps.advance(rng.next_exponential());
+            const Rgb scale = track.scale<k>(at, rng, counters);
             if constexpr (k.chromatic)
                 T *= max(Rgb(1) - unit * scale, Rgb(0));
             else
@@ -47,7 +48,7 @@ Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters) {
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
-        tau -= majorant * (end - t);
+        tau = steps.beyond();
         t = end;
     }
     return Rgb(T);

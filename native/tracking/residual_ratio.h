@@ -15,15 +15,16 @@ inline Rgb residual_ratio_transmittance(MajorantTrack track, Rng& rng, Counters&
         const float begin = t, end = track.piece_end(), minorant = track.minorant();
         const float residual = track.majorant() - max_component(track.unit()) * minorant;
         const Rgb unit = track.unit() / std::max(residual, 1e-30f);
-        while (residual * (end - t) > tau) {
-            t = std::min(t + tau / residual, end);
-            tau = rng.next_exponential();
-            const Rgb rest = max(track.scale(t, rng, counters) - Rgb(minorant), Rgb(0));
+        CandidateSteps steps(t, end, residual, tau);
+        while (steps.more()) {
+            const float at = steps.at();
+            steps.advance(rng.next_exponential());
+            const Rgb rest = max(track.scale(at, rng, counters) - Rgb(minorant), Rgb(0));
             T *= max(Rgb(1) - unit * rest, Rgb(0));
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
-        tau -= residual * (end - t);
+        tau = steps.beyond();
         t = end;
         if (minorant > 0) {
             T *= exp(track.unit() * (-minorant * (end - begin)));

@@ -106,7 +106,7 @@ class StreamSampler {
         if (!(weight > 0))
             return;
         out_.weights.volume += weight;
-        if (rng_.next() * out_.weights.volume >= weight)
+        if (!rng_.chance(weight / out_.weights.volume))
             return;
         out_.t = t;
         out_.volume = value / weight;
@@ -238,26 +238,25 @@ bool StreamSampler<k>::varying_piece(float t0, float t1, float majorant) {
         return true;
     }
     const float rate = majorant * scale_here();
+    CandidateSteps steps(t0, t1, rate, tau_);
     for (float t = t0;;) {
-        const float left = rate * (t1 - t);
         const float left_virtual = lights_ ? lights_->expected(t, t1) : 0;
-        const bool real = left > tau_, near = left_virtual > tau_virtual_;
+        const bool real = steps.more(), near = left_virtual > tau_virtual_;
         if (!real && !near) {
             gather(t, t1);
-            tau_ -= left;
+            tau_ = steps.beyond();
             tau_virtual_ -= left_virtual;
             return true;
         }
-        const float at_real = real ? std::clamp(t + tau_ / rate, t, t1) : kInfinity;
+        const float at_real = real ? std::max(steps.at(), t) : kInfinity;
         const float at_near = near ? std::min(lights_->advance(t, tau_virtual_), t1) : kInfinity;
         const float at = std::min(at_real, at_near);
         gather(t, at);
         if (at_real <= at_near) {
-            tau_ = rng_.next_exponential();
+            steps.advance(rng_.next_exponential());
             tau_virtual_ -= lights_ ? lights_->expected(t, at) : 0;
         } else {
             tau_virtual_ = rng_.next_exponential();
-            tau_ -= rate * (at - t);
         }
         t = at;
         candidate(t, rate + (lights_ ? lights_->rate(t) : 0));

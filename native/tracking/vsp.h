@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/vec.h"
 #include "settings_table.h"
 
 namespace nephele {
@@ -51,7 +52,8 @@ inline float volume_probability(const Settings& settings, const VspGuide& guide,
     }
     const double volume = double{guide.volume_radiance} * double{w.volume};
     const double surface = double{guide.surface_radiance} * double{w.surface};
-    return static_cast<float>(volume / (volume + surface));
+    // Below 1, so that what passes keeps a chance.
+    return std::min(static_cast<float>(volume / (volume + surface)), kOneMinusEpsilon);
 }
 
 /// Optical depth of candidates that lets a stream reach `target`: the probability of an empty stream becomes
