@@ -119,14 +119,15 @@ def arching(length, lift, droop, yaw, root=(0, 0, 0)):
 def scatter(name, child, places, normals, yaws, scales):
     """Instances of the object `child`: one on each face of a parent that is not rendered itself. places,
     normals: (N, 3); yaws about the normal in radians; scales of the child."""
-    corners = np.array(((-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)))
+    phi = 2 * np.pi * np.arange(3) / 3
+    corners = np.stack([np.cos(phi), np.sin(phi), 0 * phi], axis=1) * (4 / np.sqrt(27)) ** 0.5  # of area 1
     vertices = []
     for place, normal, yaw, scale in zip(places, normals, yaws, scales, strict=True):
         turn = Vector(normal).to_track_quat("Z", "Y").to_matrix() @ Matrix.Rotation(yaw, 3, "Z")
         vertices.append(np.asarray(place) + scale * corners @ np.array(turn).T)
-    quads = np.arange(4 * len(places)).reshape(-1, 4)
+    faces = np.arange(3 * len(places)).reshape(-1, 3)
     rounded = np.round(np.concatenate(vertices) * 512) / 512  # fewer bits pack into smaller files
-    parent = common.link(name, common.mesh_from_arrays(name, rounded, quads))
+    parent = common.link(name, common.mesh_from_arrays(name, rounded, faces))
     parent.instance_type, parent.use_instance_faces_scale = "FACES", True
     parent.show_instancer_for_render = parent.show_instancer_for_viewport = False
     child.parent = parent

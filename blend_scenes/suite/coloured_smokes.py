@@ -55,5 +55,5 @@ def build():
         plume.rotation_euler, plume.scale = (0, lean, turn), (1.05, 1.05, 0.95)
     panel = {"shape": "RECTANGLE", "size": 2.0, "size_y": 2.6}
     common.add_light("AREA", "Key", (-4.2, -3.8, 4.2), 330.0, (1.0, 0.93, 0.84), (0, 0, 1.2), **panel)
-    common.add_light("AREA", "Rim", (3.8, 2.2, 4.4), 230.0, (0.80, 0.90, 1.0), (0, 0, 1.4), **panel)
+    common.add_light("AREA", "Rim", (6.0, -0.6, 4.6), 230.0, (0.80, 0.90, 1.0), (0, 0, 1.4), **panel)
     common.add_camera((0.0, -7.4, 1.55), (0.0, 0.0, 1.35), 44.0)

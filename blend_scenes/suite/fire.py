@@ -108,7 +108,7 @@ def build():
         )
     tent(cloth)
     common.add_volume("Fire", "//../smoke/smoke_0001.vdb", flames(), (0, 0, 0.1)).scale = (0.6, 0.6, 0.85)
-    common.add_light("SUN", "Moon", (0, 0, 9), 0.03, (0.55, 0.7, 1.0), angle=0.02).rotation_euler = (
+    common.add_light("SUN", "Moon", (0, 0, 9), 0.12, (0.55, 0.7, 1.0), angle=0.02).rotation_euler = (
         0.6,
         -0.7,
         0,

@@ -53,16 +53,17 @@ def ridges(name, size, strength, ob):
 
 def build():
     low = sun_from(160.0, 24.0)
-    shading.set_sky("morning", (0.10, 0.22, 0.55), (0.75, 0.72, 0.70), (0.1, 0.1, 0.1), (1.0, 0.6, 0.3), low)
+    shading.set_sky("morning", (0.10, 0.22, 0.55), (0.75, 0.72, 0.70), (0.6, 0.58, 0.56), (1.0, 0.6, 0.3), low)
     flat = common.heightfield_mesh(
         "Mountains", np.linspace(-15, 15, CELLS[0] + 1), np.linspace(-5, 30, CELLS[1] + 1), lambda x, y: 0 * x
     )
     ground = subdivide(common.link("Mountains", flat, material=rock()), LEVELS)
-    ridges("Ridges", 4.5, 2.6, ground)
+    ridges("Ridges", 9.0, 5.5, ground)
     add_sun(low, 9.0, (1.0, 0.84, 0.64))
     for i, (file, x, y, z, turn, scale, density) in enumerate(CLOUDS):
         vapour = cloud(f"Vapour {i + 1}", (0.995, 0.995, 0.995), density, 0.7)
         volume = common.add_volume(f"Cloud {i + 1}", FILES[file], vapour, (x, y, z))
         volume.rotation_euler = (0, 0, turn)
-        volume.scale = (scale, scale, (0.4 if file == "mist" else 1.0) * scale)
-    common.add_camera((0.0, -4.6, 3.0), (0.0, 9.0, 1.9), 28.0)
+        wide, tall = (1.0, 0.4) if file == "mist" else (1.5, 0.6)
+        volume.scale = (wide * scale, scale, tall * scale)
+    common.add_camera((-1.5, -4.8, 3.9), (0.5, 9.0, 1.7), 27.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Under a wavy, slightly rough water surface (IOR 1.33, roughness 0.2): ruins on the sand, the sun from
+"""Under a wavy, slightly rough water surface (IOR 1.33, roughness 0.35): ruins on the sand, the sun from
 above. The water absorbs red most (sigma_a 0.14, 0.028, 0.014 per metre) and scatters forward (sigma_s 0.03, g
 = 0.8)."""
 
@@ -43,7 +43,7 @@ def water_mesh():
 
 def water():
     n = ShaderNodes("Water")
-    surface = n.node("BsdfGlass", Color=(1, 1, 1), Roughness=0.2, IOR=1.33)
+    surface = n.node("BsdfGlass", Color=(1, 1, 1), Roughness=0.35, IOR=1.33)
     absorbs = n.node("VolumeAbsorption", Color=(0.0, 0.80, 0.90), Density=0.14)
     scatters = n.node("VolumeScatter", Color=(1, 1, 1), Density=0.03, Anisotropy=0.8)
     return n.finish(n.add(absorbs, scatters), surface)
@@ -124,4 +124,4 @@ def build():
         (0, 0.7),
     ]
     common.link("Urn", lathe_mesh("Urn", urn), (0.95, 0.6, 0.05), gold).rotation_euler = (0.35, 0.25, 0)
-    common.add_camera((0.1, -4.4, 1.3), (0.1, 4.0, 1.95), 24.0)
+    common.add_camera((0.1, -4.4, 1.3), (0.1, 4.0, 2.3), 22.0)
