@@ -156,7 +156,7 @@ def add_light(kind, name, location, energy, colour=(1, 1, 1), target=None, **set
 
 
 def mesh_from_arrays(name, vertices, quads, smooth=False):
-    """Mesh from float vertices (V, 3) and integer quads (Q, 4)."""
+    """Mesh from float vertices (V, 3) and integer quads (Q, 4), or triangles."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(np.asarray(vertices, float).tolist(), [], np.asarray(quads, int).tolist())
     if smooth:

@@ -96,3 +96,15 @@ def lat_long_directions(height):
     elevation, azimuth = np.meshgrid(np.pi * (v - 0.5), 2 * np.pi * (0.5 - u), indexing="ij")
     flat = np.cos(elevation)
     return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=-1)
+
+
+def set_sky(name, zenith, horizon, ground, glow=(0, 0, 0), towards=(1, 0, 0), sharpness=6.0, haze=6.0):
+    """World of radiances that go from `horizon` to `zenith` with height, `haze` times an e-fold, with a glow
+    towards a direction; `ground` below. Packed as a small image."""
+    directions = lat_long_directions(32)
+    up = directions[..., 2:3]
+    sky = np.array(zenith) + (np.array(horizon) - np.array(zenith)) * np.exp(-haze * np.maximum(up, 0))
+    away = 1 - directions @ np.asarray(towards)
+    sky = sky + np.array(glow) * np.exp(-sharpness * away)[..., None]
+    sky = np.where(up < -0.02, np.array(ground), sky)
+    return set_world(image=pack_image(name, sky, "Linear Rec.709", "OPEN_EXR"))

@@ -112,7 +112,7 @@ class ProgramBuilder:
             places = [registers.of(value) for value in operands] + [0] * (4 - len(operands))
             registers.release(
                 value.register
-                for value in set(operands)
+                for value in dict.fromkeys(operands)  # a set has another order in every process
                 if value.constant is None and last_use[value.register] == index
             )
             code.append((OP_INDEX[op], registers.allot(index), *places, tables.offset(parameters), mode))

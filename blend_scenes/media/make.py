@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(__file__).resolve().parent
-sys.path[:0] = [str(FOLDER.parent), str(FOLDER)]
+sys.path.insert(0, str(FOLDER.parent))
 import common  # noqa: E402  the folder above is on the path only now
 import shading  # noqa: E402
-from nodes import VolumeNodes  # noqa: E402
+from nodes import ShaderNodes  # noqa: E402
 from noise import fractal, gradient_noise, smoothstep  # noqa: E402
 
 CELLS, VOXEL_M, SEED = 24, 0.05, 7
@@ -49,7 +49,7 @@ def grids():
 
 def marble():
     """Noise through a ramp; the ramp's colour is both the density and the tint."""
-    n = VolumeNodes("Noise")
+    n = ShaderNodes("Noise")
     noise = n.node("TexNoise", Vector=n.coordinate(), Scale=2.5, Detail=1.0, Roughness=0.5)
     tone = n.ramp(noise, (0.42, (0, 0, 0)), (0.6, (1, 1, 1)))
     tint = n.ramp(noise, (0.4, (0.9, 0.5, 0.2)), (0.65, (0.4, 0.8, 0.95)))
@@ -60,7 +60,7 @@ def marble():
 def layers():
     """Two coloured sums of scattering and absorption, one above and one below. Their phase functions are the
     same: Cycles mixes those of unlike colours in grey."""
-    n = VolumeNodes("Layers")
+    n = ShaderNodes("Layers")
     up = n.axis(n.coordinate(), "Z")
     side = n.map_range(n.axis(n.coordinate("Generated"), "X"), 0.1, 0.9, 0.5, 4.0)
     upper = n.add(
@@ -77,7 +77,7 @@ def layers():
 def burning():
     """What the Principled Volume does with a file's grids by itself. The temperature is constant, as Cycles
     reads its grid one voxel at a time, which brightens what is steep; how much burns varies."""
-    n = VolumeNodes("Fire")
+    n = ShaderNodes("Fire")
     fire = {"Blackbody_Intensity": n.math("MULTIPLY", n.grid("heat"), 2.0), "Blackbody_Tint": (1.0, 0.9, 0.8)}
     smoke = {"Color": (0.9, 0.9, 0.9), "Color_Attribute": "color", "Density": 8.0, "Anisotropy": 0.2}
     return n.finish(n.node("VolumePrincipled", Temperature=1.0, **smoke, **fire))
@@ -85,7 +85,7 @@ def burning():
 
 def glowing():
     """The grids through arithmetic: denser where redder, with a blackbody of its own."""
-    n = VolumeNodes("Glow")
+    n = ShaderNodes("Glow")
     color, heat = n.grid("color", "Color"), n.grid("heat")
     red = n.axis(color, "X")
     density = n.math("MULTIPLY", n.grid("density"), n.map_range(red, 0.2, 0.9, 1.0, 8.0))
@@ -100,7 +100,7 @@ def glowing():
 
 def scattering(name, kind, density, **inputs):
     """A phase function of its own, thinning out to the right; inputs may be functions of the nodes."""
-    n = VolumeNodes(name)
+    n = ShaderNodes(name)
     inputs = {key: value(n) if callable(value) else value for key, value in inputs.items()}
     across = n.map_range(n.axis(n.coordinate(), "X"), -0.6, 0.6, density, 0.25 * density)
     settings = {"Color": (0.9, 0.9, 0.9), "Density": across} | inputs
@@ -109,7 +109,7 @@ def scattering(name, kind, density, **inputs):
 
 def haze():
     """Fades with height, in the place of the world, without an end of its own."""
-    n = VolumeNodes("Haze")
+    n = ShaderNodes("Haze")
     up = n.axis(n.node("NewGeometry", output="Position"), "Z")
     density = n.math("MULTIPLY", n.math("EXPONENT", n.math("MULTIPLY", up, -1.0)), 0.03)
     return n.finish(n.node("VolumeScatter", Color=(1, 1, 1), Density=density, Anisotropy=0.4))

@@ -237,3 +237,21 @@ def test_light_path(tree):
     assert seen == [0b000001, 0b000110]
     tree.color(node.outputs["Ray Length"], {})
     assert any("'Ray Length' is not supported" in text for text in tree.warnings)
+
+
+def test_registers_do_not_depend_on_the_process(bpy):
+    """The same tree must compile to the same program in every process, or an interrupted render would not know
+    its scene again. Registers set free together are handed out anew from the last operand's back; in an order
+    of hashes, which are others in every process, one of 24 pairs and more would be the other way round."""
+    from nephele.export.nodes_program import OP_INDEX, ProgramBuilder, constant
+
+    builder = ProgramBuilder()
+    total = constant(0.0)
+    for k in range(24):
+        a, b = (builder.emit("position", mode=2 * k + i) for i in range(2))
+        total = builder.emit("add", total, builder.emit("subtract", a, b))
+    one = constant(1.0)
+    code = builder.finish([("emission", one, (total, one), 0)]).code
+    differences = code[code[:, 0] == OP_INDEX["subtract"]]
+    assert len(differences) == 24
+    np.testing.assert_array_equal(differences[:, 1], differences[:, 3])

@@ -18,7 +18,7 @@ from truth import box
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
-from blend_scenes.media.nodes import VolumeNodes  # noqa: E402  the project's root is on the path only now
+from blend_scenes.nodes import ShaderNodes  # noqa: E402  the project's root is on the path only now
 
 PHASES = {
     "HENYEY_GREENSTEIN": ("Anisotropy",),
@@ -58,7 +58,7 @@ class Wild:
 
     def __init__(self, seed, bounded):
         self.any, self.bounded = random.Random(seed), bounded
-        self.nodes = VolumeNodes(f"wild {seed}")
+        self.nodes = ShaderNodes(f"wild {seed}")
 
     def number(self, depth=3):
         n, pick = self.nodes, self.any

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume materials written down as nested calls: each makes a node and gives the socket of its result."""
+"""Materials written down as nested calls: each makes a node and gives the socket of its result."""
 
 import bpy
 
 
-class VolumeNodes:
-    """A new material without surface. Inputs of a node are constants or sockets of others, by the socket's
+class ShaderNodes:
+    """A new material. Inputs of a node are constants or sockets of others, by the socket's
     name (with _ for spaces) or number."""
 
     def __init__(self, name):
@@ -14,9 +14,11 @@ class VolumeNodes:
         self.tree.nodes.clear()
         self.end = self.tree.nodes.new("ShaderNodeOutputMaterial")
 
-    def finish(self, shader):
-        """Returns the material, whose volume is the socket `shader`."""
-        self.tree.links.new(shader, self.end.inputs["Volume"])
+    def finish(self, volume=None, surface=None):
+        """Returns the material, whose volume and surface are these sockets."""
+        for name, shader in (("Volume", volume), ("Surface", surface)):
+            if shader is not None:
+                self.tree.links.new(shader, self.end.inputs[name])
         return self.material
 
     def node(self, kind, properties=(), numbered=(), output=0, **inputs):
@@ -44,6 +46,11 @@ class VolumeNodes:
 
     def coordinate(self, kind="Object"):
         return self.node("TexCoord", output=kind)
+
+    def noise(self, scale, detail=2.0, output="Fac", kind="Object", **inputs):
+        """Returns fractal noise of a coordinate, about 1/2."""
+        inputs = {"Scale": scale, "Detail": detail} | inputs
+        return self.node("TexNoise", output=output, Vector=self.coordinate(kind), **inputs)
 
     def axis(self, vector, name):
         return self.node("SeparateXYZ", (), (vector,), name)
