@@ -231,7 +231,7 @@ std::vector<float> Film::read(PassId pass) const {
 
 std::size_t Film::bytes() const {
     std::size_t bytes = (counts_.size() + taken_.size()) * sizeof(std::uint32_t);
-    for (const std::vector<double>& sums : sums_)
+    for (const auto& sums : sums_)
         bytes += sums.size() * sizeof(double);
     return bytes + squared_weights_.size() * sizeof(double);
 }
