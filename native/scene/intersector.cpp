@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/intersector.h"
 
+#include <algorithm>
 #include <deque>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -131,6 +133,18 @@ std::shared_ptr<const Device> device_of(PartScope& parts) {
     return parts.share<Device>(PartKey(), [] { return std::make_shared<Device>(); });
 }
 
+/// Whether every mesh is placed in the world, so that none has a hierarchy of its own.
+bool all_alone(std::span<const Mesh> meshes, std::span<const Instance> instances,
+               std::span<const std::uint32_t> used, Intersector::Layout layout) {
+    std::set<std::uint32_t> seen;
+    return layout == Intersector::Layout::whole &&
+           std::all_of(used.begin(), used.end(), [&](std::uint32_t i) {
+               const Instance& instance = instances[i];
+               return seen.insert(instance.mesh).second && !instance.motion.moves() &&
+                      !meshes[instance.mesh].deforms();
+           });
+}
+
 }  // namespace
 
 Intersector::Intersector(std::span<const Mesh> meshes, std::span<const Instance> instances,
@@ -191,7 +205,8 @@ std::shared_ptr<const Intersector> Intersector::shared(PartScope& parts, std::st
             key.add(step);
     }
     return parts.share<Intersector>(key, [&] {
-        parts.let_go<Intersector>(PartKey().add(role));
+        if (all_alone(meshes, instances, used, layout))  // else the new one takes over hierarchies of meshes
+            parts.let_go<Intersector>(PartKey().add(role));
         return std::make_shared<Intersector>(meshes, instances, used, faces, layout, &parts);
     });
 }
