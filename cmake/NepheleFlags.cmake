@@ -32,8 +32,8 @@ function(nephele_sanitizers compile_out link_out)
         set(compile ${link})
     elseif(NEPHELE_SANITIZE STREQUAL "fuzzer" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
         # vptr and function would need parts of the runtime that Python's fuzzer does not bring.
-        set(link -fsanitize=address,undefined -fno-sanitize=vptr,function)
-        set(compile -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=vptr,function
+        set(link -fsanitize=address,undefined -fno-sanitize=vptr)
+        set(compile -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=vptr
             -fno-sanitize-recover=all)
     else()
         message(FATAL_ERROR " NEPHELE_SANITIZE=${NEPHELE_SANITIZE} is none of address, thread and, with Clang, fuzzer")

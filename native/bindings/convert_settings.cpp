@@ -50,7 +50,8 @@ FilmSource film_source_of(nb::handle scene) {
 Settings settings_of(nb::handle scene) {
     Settings out;
     const auto all = value<nb::dict>(scene, "settings");
-    for (auto [key, item] : all) {
+    for (const std::pair<nb::handle, nb::handle> entry : all) {
+        const nb::handle key = entry.first, item = entry.second;
         const auto name = reading("settings", [&] { return nb::cast<std::string>(key); });
         if (nb::isinstance<nb::str>(item)) {
             set_field(out, name, std::string_view(nb::cast<std::string>(item)));

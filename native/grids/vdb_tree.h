@@ -84,7 +84,17 @@ class VdbTreeReader {
     T read() {
         T value{};
         stream_.read(reinterpret_cast<char*>(&value), sizeof(T));
+        make_sound(&value, 1);
         return value;
+    }
+    /// Any byte but 0 is true: those of a damaged file need not be truth values of C++.
+    template <typename T>
+    static void make_sound(T* values, std::size_t count) {
+        if constexpr (std::is_same_v<T, bool>) {
+            auto* bytes = reinterpret_cast<unsigned char*>(values);
+            for (std::size_t i = 0; i < count; ++i)
+                bytes[i] = bytes[i] != 0 ? 1 : 0;
+        }
     }
     [[noreturn]] static void damaged() {
         throw std::runtime_error("is damaged: write or copy the file again");
@@ -253,6 +263,7 @@ void VdbTreeReader<Value>::read_block(Value* out, openvdb::Index count) {
     }
     half_ ? Reader::read(*source, out, count, compression_)
           : readData<Value>(*source, out, count, compression_);
+    make_sound(out, count);
 }
 
 template <typename Value>

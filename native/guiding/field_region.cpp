@@ -205,14 +205,19 @@ bool FieldRegion::sound() const {
     const auto between = [](const LobeValues& v, float low, float high) {
         return std::all_of(v.begin(), v.end(), [&](float x) { return x >= low && x <= high; });
     };
+    const bool sums = std::all_of(segments_.begin(), segments_.end(), [](const Segments& s) {
+        return nephele::sound(s.rays) && nephele::sound(s.volume) && nephele::sound(s.surface);
+    });
+    const bool guides =
+        std::all_of(guides_.begin(), guides_.end(), [](const VspGuide& g) { return nephele::sound(g); });
     float total = 0;
     for (const float w : mixture.weight)
         total += w;
     const bool empty = total == 0 && samples() == 0;
-    return finite && (empty || std::abs(total - 1) < 1e-3f) && between(mixture.weight, 0, 1.001f) &&
-           between(mixture.kappa, 0, kLargestKappa) && between(mixture.peak, 0, kLargestKappa) &&
-           between(mixture.inverse_distance, 0, 1e30f) && guided_share >= 0 && guided_share < 1 &&
-           worth >= 0 && split_worth >= 0;
+    return finite && sums && guides && (empty || std::abs(total - 1) < 1e-3f) &&
+           between(mixture.weight, 0, 1.001f) && between(mixture.kappa, 0, kLargestKappa) &&
+           between(mixture.peak, 0, kLargestKappa) && between(mixture.inverse_distance, 0, 1e30f) &&
+           guided_share >= 0 && guided_share < 1 && worth >= 0 && split_worth >= 0;
 }
 
 void FieldRegion::become_half(Vec3f new_pivot) {

@@ -87,10 +87,17 @@ void ImageEstimate::save(std::map<std::string, std::vector<double>>& saved) cons
 }
 
 void ImageEstimate::restore(const std::map<std::string, std::vector<double>>& saved) {
-    unflatten(saved, kSums, sums_);
-    unflatten(saved, kWorth, worth_);
-    unflatten(saved, kScale, scale_);
-    unflatten(saved, kRate, rate_);
+    ImageEstimate read(*this);  // what is refused changes nothing
+    unflatten(saved, kSums, read.sums_);
+    check_rows(kSums, read.sums_, [](const BranchSums& s) { return sound(s); });
+    const auto unflatten_numbers = [&](const char* name, std::vector<float>& numbers) {
+        unflatten(saved, name, numbers);
+        check_rows(name, numbers, [](float x) { return x >= 0 && std::isfinite(x); });
+    };
+    unflatten_numbers(kWorth, read.worth_);
+    unflatten_numbers(kScale, read.scale_);
+    unflatten_numbers(kRate, read.rate_);
+    *this = std::move(read);
 }
 
 bool ImageEstimate::inherit(const std::map<std::string, std::vector<double>>& saved, float samples) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace nephele {
 
@@ -43,6 +44,12 @@ constexpr float RayMeans::*kMeans[] = {
     &RayMeans::both,           &RayMeans::extra_work,    &RayMeans::depths};
 
 }  // namespace
+
+bool sound(const RayMeans& means) {
+    return std::all_of(std::begin(kMeans), std::end(kMeans), [&](float RayMeans::*member) {
+        return std::isfinite(means.*member) && (means.*member >= 0 || member == &RayMeans::extra_work);
+    });
+}
 
 void add_means(RayMeans& means, const RayMeans& others) {
     for (float RayMeans::*member : kMeans)

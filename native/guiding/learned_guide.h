@@ -18,6 +18,8 @@ struct RayMeans {
     float walks = 0, volume_square = 0, surface_square = 0, both = 0, extra_work = 0;
 };
 
+/// Whether means that were read from a file can be some.
+bool sound(const RayMeans& means);
 /// Adds a sample, or `share` of one.
 void add_means(RayMeans& means, const VspRecord& record, float share = 1);
 void add_means(RayMeans& means, const RayMeans& others);

@@ -8,6 +8,7 @@
 // wider level. With few samples that is a wide average, with many the pixel's own.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct BranchSums {
     float square = 0, square2 = 0;  ///< radiance squared times weight; squares of these
     float cost = 0, taken = 0;
 };
+
+/// Whether sums that were read from a file can be some.
+inline bool sound(const BranchSums& s) {
+    return s.weight >= 0 && std::isfinite(s.weight) && s.taken >= 0 && std::isfinite(s.taken) &&
+           std::isfinite(s.light) && std::isfinite(s.light2) && std::isfinite(s.square) &&
+           std::isfinite(s.square2) && std::isfinite(s.cost);
+}
 
 /// Adds a sample's light, and its square, both per unit of weight.
 void add_light(BranchSums& sums, float light, float square);

@@ -2,6 +2,7 @@
 // Rows of plain data as the doubles of a checkpoint, one for each 32 bits, and back, bit for bit.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -49,6 +50,15 @@ void unflatten(const std::map<std::string, std::vector<double>>& saved, const ch
     }
     if (!rows.empty())
         std::memcpy(static_cast<void*>(rows.data()), words.data(), words.size() * sizeof(std::uint32_t));
+}
+
+/// Throws std::invalid_argument unless good(row) of all.
+template <class Row, class F>
+void check_rows(const char* name, const std::vector<Row>& rows, F good) {
+    if (!std::all_of(rows.begin(), rows.end(), good)) {
+        throw std::invalid_argument(std::string("what was learned is damaged ('") + name +
+                                    "'); render without it");
+    }
 }
 
 /// The rows that are saved, however many. Throws std::invalid_argument where `name` is missing or cut.

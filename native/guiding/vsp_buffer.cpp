@@ -104,9 +104,17 @@ void VspBuffer::save(std::map<std::string, std::vector<double>>& saved) const {
 }
 
 void VspBuffer::restore(const std::map<std::string, std::vector<double>>& saved) {
-    unflatten(saved, kGuides, guides_);
-    if (!pixels_.empty())
-        unflatten(saved, kSums, pixels_);
+    std::vector<VspGuide> guides(guides_.size());
+    unflatten(saved, kGuides, guides);
+    check_rows(kGuides, guides, [](const VspGuide& g) { return sound(g); });
+    std::vector<Pixel> pixels(pixels_.size());
+    if (!pixels.empty())
+        unflatten(saved, kSums, pixels);
+    check_rows(kSums, pixels, [](const Pixel& p) {
+        return sound(p.volume) && sound(p.surface) && sound(p.rays) && std::isfinite(p.log_distance);
+    });
+    guides_ = std::move(guides);
+    pixels_ = std::move(pixels);
 }
 
 bool VspBuffer::inherit(const std::map<std::string, std::vector<double>>& saved, float samples) {

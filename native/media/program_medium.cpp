@@ -110,6 +110,16 @@ Rgb ProgramMedium::emission(const VolumePoint& at) const {
     return coefficient(registers, medium_input::emission);
 }
 
+namespace {
+
+/// Of bounds: what they bound is finite, so that nothing times anything is nothing.
+Vec3f product(Vec3f a, Vec3f b) {
+    const auto of = [](float x, float y) { return x == 0 || y == 0 ? 0.0f : x * y; };
+    return {of(a.x, b.x), of(a.y, b.y), of(a.z, b.z)};
+}
+
+}  // namespace
+
 MediumRange ProgramMedium::range(Vec3f lo, Vec3f hi) const {
     const BoundsInput input{lo,
                             hi,
@@ -130,7 +140,7 @@ MediumRange ProgramMedium::range(Vec3f lo, Vec3f hi) const {
     };
     const auto scaled = [&](const Interval3& v) {
         const Interval3 weight = non_negative(registers[static_cast<std::size_t>(row_.weight)]);
-        return std::pair(v.lo * weight.lo * scale_, v.hi * weight.hi * scale_);
+        return std::pair(product(v.lo, weight.lo) * scale_, product(v.hi, weight.hi) * scale_);
     };
     constexpr float kRounding = 1 + 4e-6f;  // of the sums and products here and in coefficients()
     MediumRange out;

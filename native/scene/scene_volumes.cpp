@@ -104,12 +104,12 @@ class Scene::VolumeBuilder {
         const bool vectors = is_vector(name);
         if (vectors) {
             const auto loaded = cache_.vector_grid(volume_.path, name, options);
-            place(*loaded, grid);
             grid.field.components = loaded->components;
+            place(*loaded, grid);
         } else {
             const auto loaded = cache_.grid(volume_.path, name, options);
-            place(*loaded, grid);
             grid.field.components[0] = loaded->grid;
+            place(*loaded, grid);
         }
         if (!grid.field.components[0] || grid.field.components[0]->active_bounds().empty())
             return nullptr;
@@ -140,6 +140,8 @@ class Scene::VolumeBuilder {
     void place(const GridPlacement& placement, PlacedGrid& grid) {
         for (const std::string& w : placement.warnings)
             warn(w);
+        if (!grid.field.components[0])
+            return;  // it is nowhere
         double index_from_file[16];
         std::copy(placement.world_from_index.begin(), placement.world_from_index.end(), index_from_file);
         multiply(volume_.world_from_object, index_from_file, grid.world_from_index);

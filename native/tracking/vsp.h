@@ -26,6 +26,14 @@ struct VspGuide {
 
 inline constexpr float kLowestVsp = 0.001f, kHighestVsp = 0.999f;
 
+/// Whether a guide that was read from a file keeps to what its members say.
+inline bool sound(const VspGuide& g) {
+    return g.volume_radiance >= 0 && std::isfinite(g.volume_radiance) && g.surface_radiance >= 0 &&
+           std::isfinite(g.surface_radiance) && g.target >= kLowestVsp && g.target <= kHighestVsp &&
+           std::isfinite(g.transmittance) && g.majorant_depth >= 0 && std::isfinite(g.majorant_depth) &&
+           !std::isnan(g.surface_noise) && g.walk_share >= 0 && g.walk_share <= 1;
+}
+
 /// The sums that a decision is made by, of one segment.
 struct VspWeights {
     float volume = 0;         ///< of the candidates' weights
@@ -86,7 +94,9 @@ inline float rate_scale(const Settings& settings, const VspGuide& guide, float d
     }
     if (!(depth > 0))
         return 1;
-    return std::clamp(std::min(depth_to_reach(guide.target), kMostDepth) / depth, least_scale(guide), 1e6f);
+    constexpr float kLargest = 1e6f;
+    const float wanted = std::min(depth_to_reach(guide.target), kMostDepth) / depth;
+    return std::min(std::max(wanted, least_scale(guide)), kLargest);
 }
 
 }  // namespace nephele

@@ -22,6 +22,13 @@ def folders():
         sys.path.remove(folder)
 
 
+def test_the_scenes_to_start_from_are_good():
+    import nephele_native
+
+    for scene in importlib.import_module("scenes").all_scenes():
+        nephele_native.Renderer(scene)
+
+
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: f"{path.parent.name}-{path.name}")
 def test_replay(path):
     importlib.import_module(f"fuzz_{path.parent.name}").test_one(path.read_bytes())

@@ -7,7 +7,7 @@ import numpy as np
 from nephele import description as d
 from nephele import opcodes
 from small_world import small_world
-from truth import Scene, box, constant_program, facing, medium, perspective, placed, sphere
+from truth import Scene, box, constant_program, emission, facing, medium, perspective, placed, sphere
 
 SIZE = (6, 4)
 SETTINGS = {"samples": 2, "threads": 1, "max_bounces": 3}
@@ -31,6 +31,13 @@ def every_operation():
     return d.Program(
         np.array(registers, np.float32), np.array(code, np.int32), np.linspace(0, 1, 16, dtype=np.float32)
     )
+
+
+def ripples():
+    """Returns a program for media: noise at a place. Its bounds are asked for in many cells."""
+    op = {name: number for number, name in enumerate(opcodes.OPCODES)}
+    code = [(op["position"], 5, 0, 0, 0, 0, 0, 0), (op["noise"], 6, 5, 2, 1, 3, 0, 2)]
+    return dataclasses.replace(every_operation(), code=np.array(code, np.int32))
 
 
 def closure_of(program, kind):
@@ -57,7 +64,7 @@ def gallery():
         d.Light("disc", "area", facing((0, 2, 2), (0, 0, 0)), (9.0, 9.0, 9.0), shape="ellipse", spread=1.0),
     )
     everything = every_operation()
-    scene = Scene(camera, closure_of(everything, "emission"), (medium(0.01),), lights)
+    scene = Scene(camera, emission((0.1, 0.2, 0.4)), (medium(0.01),), lights)
     kinds = [kind for kind in opcodes.CLOSURES if kind != "medium"]
     for number, kind in enumerate(kinds):
         scene.add(
@@ -82,7 +89,7 @@ def gallery():
         ball, constant_program(("glass", 1.0, 0.0, 1.5, None)), (), placed(0, -1), dielectric_priority=1
     )
     scene.add(sphere(0.2, 1), None, (medium(2.0),), placed(1, -1), motion=moving((1, -1), (1.1, -1)))
-    program = dataclasses.replace(closure_of(everything, "medium"))
+    program = closure_of(ripples(), "medium")
     scene.add(box((-1, -1, 0.5), (0, 0, 1)), None, (d.VolumeClosure(program=program),))
     whole = scene.description(SIZE, **SETTINGS)
     pixels = np.arange(2 * 3 * 4).reshape(2, 3, 4)
@@ -97,7 +104,7 @@ def gallery():
 def smoke():
     """Returns the description of small_world() with a moving volume whose coefficients a program computes."""
     whole = small_world().description(SIZE, **SETTINGS)
-    program = closure_of(every_operation(), "medium")
+    program = closure_of(ripples(), "medium")
     closure = d.VolumeClosure(program=program, grids=("density", "nothing"))
     materials = list(whole.materials)
     number = whole.volumes[0].material

@@ -14,7 +14,7 @@
 namespace nephele {
 namespace {
 
-constexpr int kWidth = 70, kHeight = 40;  // several tiles, the last ones in part
+constexpr int kWidth = 36, kHeight = 34;  // four tiles, three of them in part
 
 Settings settings_of(int threads, bool adaptive = false) {
     Settings settings;
@@ -24,6 +24,7 @@ Settings settings_of(int threads, bool adaptive = false) {
     settings.adaptive_sampling = adaptive;
     settings.target_error = adaptive ? 1e-9f : 0;
     settings.estimate_error = true;
+    settings.max_bounces = 4;
     return settings;
 }
 

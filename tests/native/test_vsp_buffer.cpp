@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 #include "media_fixtures.h"
@@ -219,6 +222,25 @@ TEST(VspBuffer, RefusesCheckpointsThatDoNotFit) {
     fixed.vsp_target = Settings::VspTarget::lowest;
     VspBuffer constant(4, 4, fixed);
     EXPECT_NO_THROW(constant.restore(saved)) << "a fixed target learns nothing and needs no sums";
+}
+
+/// A noise below -1.25 would ask for negative majorants.
+TEST(VspBuffer, RefusesGuidesThatAreNone) {
+    std::map<std::string, std::vector<double>> good;
+    VspBuffer buffer(1, 1, buffer_settings(kVariance));
+    buffer.save(good);
+    const auto refused = [&](const char* name, std::size_t place, float value) {
+        auto bad = good;
+        bad.at(name)[place] = std::bit_cast<std::uint32_t>(value);
+        EXPECT_THROW(buffer.restore(bad), std::invalid_argument) << name << ' ' << place << ' ' << value;
+    };
+    for (std::size_t member = 0; member < sizeof(VspGuide) / sizeof(float); ++member)
+        refused("vsp_guides", member, NAN);
+    refused("vsp_guides", offsetof(VspGuide, target) / sizeof(float), 1);
+    refused("vsp_guides", offsetof(VspGuide, majorant_depth) / sizeof(float), -1);
+    for (std::size_t member = 0; member < good.at("vsp_sums").size(); ++member)
+        refused("vsp_sums", member, INFINITY);
+    EXPECT_NO_THROW(buffer.restore(good));
 }
 
 }  // namespace

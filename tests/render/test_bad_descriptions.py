@@ -85,6 +85,16 @@ def test_a_file_with_a_field_of_another_type_is_damaged(tmp_path):
             description_file.load(path, tmp_path / "unpacked")
 
 
+def test_a_grid_that_the_file_lacks_is_left_out_with_a_warning():
+    whole = world()
+    material = whole.materials[whole.volumes[0].material]
+    closure = dataclasses.replace(material.volume[0], density_grid="nothing")
+    materials = (dataclasses.replace(material, volume=(*material.volume, closure)), *whole.materials[1:])
+    renderer = nephele_native.Renderer(dataclasses.replace(whole, materials=materials))
+    assert any('has no grid "nothing"' in warning for warning in renderer.warnings)
+    assert any(grid["grid"] == "density" for grid in renderer.statistics()["grids"])
+
+
 def test_whole_numbers_may_stand_for_others():
     scene = changed("camera", clip_start=1, motion=np.stack([np.eye(4)] * 2))
     nephele_native.Renderer(scene)
