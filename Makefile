@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
+.PHONY: help setup build render test test-long stability lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
 
 python := .venv/bin/python
 
@@ -34,6 +34,10 @@ test: setup ## run every test but the long ones
 
 test-long: build ## run the tests that take minutes each
 	$(python) -m pytest -m long --durations=0 $(ARGS)
+
+stability: setup ## measure the errors of the formulas, and write docs/stability.md
+	@scripts/build.sh all
+	$(python) tools/stability_page.py build/release/tests/native/stability
 
 lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
 	@scripts/setup.sh lint

@@ -38,7 +38,7 @@ struct Row {
 /// The largest error met. At its end it holds it against the row's bound and hands the row to the page.
 class Worst {
   public:
-    explicit Worst(const Row& row) : row_(row) {}
+    explicit Worst(const Row& row) : row_(row), number_(next_number()) {}
     Worst(const Worst&) = delete;
     Worst& operator=(const Worst&) = delete;
     ~Worst() {
@@ -46,9 +46,9 @@ class Worst {
         EXPECT_LE(worst_, row_.bound) << row_.formula << ", worst at " << where_;
         if (const char* path = std::getenv("NEPHELE_STABILITY_ROWS")) {
             std::ofstream out(path, std::ios::app);
-            out << row_.room << '\t' << row_.file << '\t' << row_.formula << '\t' << row_.risk << '\t'
-                << row_.form << '\t' << row_.range << '\t' << row_.unit << '\t' << row_.bound << '\t'
-                << worst_ << '\n';
+            out << number_ << '\t' << row_.room << '\t' << row_.file << '\t' << row_.formula << '\t'
+                << row_.risk << '\t' << row_.form << '\t' << row_.range << '\t' << row_.unit << '\t'
+                << row_.bound << '\t' << worst_ << '\n';
         }
     }
 
@@ -78,7 +78,13 @@ class Worst {
     }
 
   private:
+    static int next_number() {
+        static int number = 0;
+        return number++;
+    }
+
     Row row_;
+    int number_;  ///< its place among the rows: of several in one test, the last ends first
     double worst_ = 0;
     long count_ = 0;
     std::string where_;

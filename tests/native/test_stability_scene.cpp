@@ -231,10 +231,12 @@ TEST(StabilityFilm, Sums) {
     Worst variance({"film", "film.cpp", "variance of the mean, by the sum of squares",
                     "E x^2 - (E x)^2 cancels where there is little noise", "in double; not below 0",
                     "the same, spreads of 1e-3 to 1e3 of the mean", "the variance", 2e-6});
+    Worst error({"film", "film.cpp", "estimate of the image's relMSE", "relative errors of black pixels",
+                 "squares over the squared mean and 0.01, in double", "the same", "the estimate", 2e-6});
     Rng rng(5);
     for (const float light : {1e-6f, 1.0f, 1e6f}) {
         for (const float spread : {1e-3f, 0.1f, 1e3f}) {
-            Film film(1, 1, kPassesKept);
+            Film film(1, 1, kPassesKept, {true, false});
             std::vector<float> values;
             for (int i = 0; i < 1 << 20; ++i) {
                 const float p = 1 / (1 + spread * spread);
@@ -254,6 +256,8 @@ TEST(StabilityFilm, Sums) {
                 squares += (exact(v) - sum / n) * (exact(v) - sum / n);
             mean.relative(double{film.read(PassId::combined)[0]}, sum / n, {light, spread});
             variance.relative(double{film.read(PassId::variance)[0]}, squares / n / (n - 1), {light, spread});
+            error.relative(film.relative_error(), squares / n / (n - 1) / (sum / n * (sum / n) + 0.01L),
+                           {light, spread});
         }
     }
 }

@@ -159,7 +159,7 @@ TEST(StabilityTracking, PowerSeries) {
         {"tracking", "ray_marching.h", "power series of unbiased ray marching",
          "sums of products of either sign", "elementary symmetric sums of differences, in double",
          "depths 1e-3 to 60, 2 to 12 terms (more have a chance below 4e-7), estimates 0.3 to 3 % apart",
-         "the largest exp(X)", 1e-5});
+         "the largest exp(X)", 1e-6});
     Rng rng(8);
     for (const float depth : logarithmic(1e-3, 60, 40)) {
         for (const int terms : {2, 3, 5, 9, 12}) {
