@@ -53,10 +53,11 @@ def ridges(name, size, strength, ob):
 
 def build():
     low = sun_from(160.0, 24.0)
-    shading.set_sky("morning", (0.10, 0.22, 0.55), (0.75, 0.72, 0.70), (0.6, 0.58, 0.56), (1.0, 0.6, 0.3), low)
-    flat = common.heightfield_mesh(
-        "Mountains", np.linspace(-15, 15, CELLS[0] + 1), np.linspace(-5, 30, CELLS[1] + 1), lambda x, y: 0 * x
+    shading.set_sky(
+        "morning", (0.10, 0.22, 0.55), (0.75, 0.72, 0.70), (0.6, 0.58, 0.56), (1.0, 0.6, 0.3), low
     )
+    xs, ys = np.linspace(-15, 15, CELLS[0] + 1), np.linspace(-5, 30, CELLS[1] + 1)
+    flat = common.heightfield_mesh("Mountains", xs, ys, lambda x, y: 0 * x)
     ground = subdivide(common.link("Mountains", flat, material=rock()), LEVELS)
     ridges("Ridges", 9.0, 5.5, ground)
     add_sun(low, 9.0, (1.0, 0.84, 0.64))

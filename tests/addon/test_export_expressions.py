@@ -240,9 +240,9 @@ def test_light_path(tree):
 
 
 def test_registers_do_not_depend_on_the_process(bpy):
-    """The same tree must compile to the same program in every process, or an interrupted render would not know
-    its scene again. Registers set free together are handed out anew from the last operand's back; in an order
-    of hashes, which are others in every process, one of 24 pairs and more would be the other way round."""
+    """The same tree must compile to the same program in every process, or an interrupted render would not
+    know its scene again. Of registers set free together, the last operand's is handed out first; in an order
+    of hashes, which are others in every process, all 24 would be with a probability of 6e-8."""
     from nephele.export.nodes_program import OP_INDEX, ProgramBuilder, constant
 
     builder = ProgramBuilder()
