@@ -19,7 +19,6 @@ BUNDLED = {
     "cloud": "cloud/cloud.blend",
     "alley": "guiding/alley.blend",
     "smoke_screen": "guiding/smoke_screen.blend",
-    "lamps": "lamps/lamps.blend",
 }
 
 
@@ -57,7 +56,7 @@ def flame():
 
 
 def save(folder):
-    """Writes every scene into `folder`, unless it is there. Returns {name: path}."""
+    """Writes every scene into `folder`. Returns {name: path}."""
     paths = {name: Path(folder, f"{name}.nephele") for name in (*BUNDLED, "floor", "room", "flame")}
     made = {
         "floor": floor,
@@ -65,9 +64,8 @@ def save(folder):
         "room": lambda: without_volumes(_bundled("slab_room/slab_room.blend", folder)),
     }
     for name, path in paths.items():
-        if not path.exists():
-            scene = made[name]() if name in made else _bundled(BUNDLED[name], folder)
-            description_file.save(path, scene)
+        scene = made[name]() if name in made else _bundled(BUNDLED[name], folder)
+        description_file.save(path, scene)
     return paths
 
 

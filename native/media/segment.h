@@ -48,9 +48,7 @@ struct Segment {
     std::vector<Crossing> crossings;  ///< scratch
 
     bool empty() const { return intervals.empty(); }
-    static bool moves(const Interval& interval) {
-        return compiled::motion && interval.rest != kStandsStill;
-    }
+    static bool moves(const Interval& interval) { return compiled::motion && interval.rest != kStandsStill; }
     /// Null where the interval's medium stands still.
     const RestRay* rest_of(const Interval& interval) const {
         return moves(interval) ? &rests[interval.rest] : nullptr;

@@ -42,8 +42,9 @@ struct Mesh {
     /// A corner's normal, where it has one.
     Vec3f corner_normal(std::uint32_t triangle, int corner, float time) const {
         const std::size_t i = 9 * std::size_t{triangle} + 3 * static_cast<std::size_t>(corner);
-        return !compiled::motion || motion_normals.empty() ? at(corner_normals, i)
-                                      : moving(motion_normals, corner_normals.size(), i, time);
+        return !compiled::motion || motion_normals.empty()
+                   ? at(corner_normals, i)
+                   : moving(motion_normals, corner_normals.size(), i, time);
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];

@@ -152,11 +152,12 @@ def test_info_prints_nothing_but_json(folder):
     assert (done.returncode, done.stderr) == (0, "")
     report = json.loads(done.stdout)
     assert (report["triangles"], report["camera"]["kind"]) == (2, "perspective")
-    assert report["kernel_features"] == ["mesh"]
+    assert (report["kernel_features"], report["kernel"]) == (["mesh"], ["surfaces"])
     assert "frame 3, RENDER" in report["warnings"]
     text = run(folder, "info", "plain.blend")
     assert text.returncode == 0
     assert "32x16" in text.stdout
+    assert "left out: volume\nkernel compiled for: surfaces\n" in text.stdout
 
 
 def test_info_reads_the_headers_of_vdb_files(tmp_path):
