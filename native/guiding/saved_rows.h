@@ -53,8 +53,8 @@ void unflatten(const std::map<std::string, std::vector<double>>& saved, const ch
 }
 
 /// Throws std::invalid_argument unless good(row) of all.
-template <class Row, class F>
-void check_rows(const char* name, const std::vector<Row>& rows, F good) {
+template <class Rows, class F>
+void check_rows(const char* name, const Rows& rows, F good) {
     if (!std::all_of(rows.begin(), rows.end(), good)) {
         throw std::invalid_argument(std::string("what was learned is damaged ('") + name +
                                     "'); render without it");

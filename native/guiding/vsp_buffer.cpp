@@ -107,7 +107,7 @@ void VspBuffer::restore(const std::map<std::string, std::vector<double>>& saved)
     std::vector<VspGuide> guides(guides_.size());
     unflatten(saved, kGuides, guides);
     check_rows(kGuides, guides, [](const VspGuide& g) { return sound(g); });
-    std::vector<Pixel> pixels(pixels_.size());
+    ZeroedVector<Pixel> pixels(pixels_.size());
     if (!pixels.empty())
         unflatten(saved, kSums, pixels);
     check_rows(kSums, pixels, [](const Pixel& p) {
