@@ -52,8 +52,8 @@ class Rng {
         const float a = next();
         return {a, next()};
     }
-    /// True with probability p to 56 bits: where p is small, what happens with it weighs 1 / p, and next() < p
-    /// would be true far too often below 2^-24.
+    /// True with probability p to 56 bits: where p is small, what happens with it weighs 1 / p, and next() <
+    /// p would be true far too often below 2^-24.
     bool chance(float p) {
         const double scaled = double{p} * 0x1p32, whole = std::floor(scaled);
         const double drawn = next_uint();
