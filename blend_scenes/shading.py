@@ -61,10 +61,10 @@ def _link_volume(tree, output, shaders):
     tree.links.new(last.outputs[0], output.inputs["Volume"])
 
 
-def textured(material, shader, image, socket="Base Color"):
+def textured(material, shader, image, socket="Base Color", interpolation="Linear"):
     """Feed a shader's colour socket from an image through the active UV map."""
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
+    node.image, node.interpolation = image, interpolation
     material.node_tree.links.new(node.outputs["Color"], shader.inputs[socket])
     return material
 

@@ -58,7 +58,10 @@ def tile_image():
 def room(plaster, wood):
     """Walls with a window in the left one, a tiled back wall, worktop and shelf."""
     tiles, shader = shading.surface_material("Tiles", Roughness=0.15)
-    shading.textured(tiles, shader, shading.pack_image("tiles", tile_image(), "sRGB"))
+    # Between texels, the renderers mix light (here) and sRGB codes (Cycles).
+    shading.textured(
+        tiles, shader, shading.pack_image("tiles", tile_image(), "sRGB"), interpolation="Closest"
+    )
     back = common.mesh_from_arrays(
         "Tiled wall", [(-1.6, 0, 0.9), (1.6, 0, 0.9), (1.6, 0, 2.5), (-1.6, 0, 2.5)], [(0, 1, 2, 3)]
     )

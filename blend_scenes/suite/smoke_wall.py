@@ -12,10 +12,10 @@ BOUNCES = 32
 
 
 def tile_image():
-    """One tile, 64 x 64, display-referred: petals in a ring, corners that meet to a star, joints."""
-    y, x = (np.indices((64, 64)) + 0.5) / 64 * 2 - 1
+    """One tile, 128 x 128, display-referred: petals in a ring, corners that meet to a star, joints."""
+    y, x = (np.indices((128, 128)) + 0.5) / 128 * 2 - 1
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    image = np.full((64, 64, 3), (0.90, 0.88, 0.82))
+    image = np.full((128, 128, 3), (0.90, 0.88, 0.82))
     blue, sky, gold = (0.10, 0.20, 0.50), (0.42, 0.60, 0.80), (0.86, 0.62, 0.18)
     corner = np.hypot(np.abs(x) - 1, np.abs(y) - 1)
     for colour, where in (
@@ -33,7 +33,8 @@ def tile_image():
 def build():
     shading.set_world((0.30, 0.42, 0.62), 0.3)
     tiles, shader = shading.surface_material("Tiles", Roughness=0.25)
-    shading.textured(tiles, shader, shading.pack_image("tile", tile_image(), "sRGB"))
+    # Between texels, the renderers mix light (here) and sRGB codes (Cycles).
+    shading.textured(tiles, shader, shading.pack_image("tile", tile_image(), "sRGB"), interpolation="Closest")
     wall = common.mesh_from_arrays(
         "Wall", [(-4, 0, 0.5), (4, 0, 0.5), (4, 0, 4.5), (-4, 0, 4.5)], [(0, 1, 2, 3)]
     )

@@ -3,6 +3,7 @@
 above. The water absorbs red most (sigma_a 0.14, 0.028, 0.014 per metre) and scatters forward (sigma_s 0.03, g
 = 0.8)."""
 
+import bpy
 import common
 import numpy as np
 import shading
@@ -54,13 +55,17 @@ def sand_height(x, y):
 
 
 def sand():
-    """Ripples across the view, by a bump map."""
     n = ShaderNodes("Sand")
     tint = n.ramp(n.noise(1.2), (0.35, (0.42, 0.36, 0.26)), (0.65, (0.62, 0.56, 0.42)))
-    across = n.vector("MULTIPLY", n.coordinate(), (0.35, 1.6, 1.0))
-    ripples = n.node("TexNoise", Vector=across, Scale=1.5, Detail=1.0, Distortion=0.5)
-    bump = n.node("Bump", output="Normal", Height=ripples, Strength=0.8, Distance=0.25)
-    return n.finish(surface=n.node("BsdfDiffuse", Color=tint, Normal=bump))
+    return n.finish(surface=n.node("BsdfDiffuse", Color=tint))
+
+
+def ripples(ob):
+    """Bands that wander, by a Displace modifier."""
+    texture = bpy.data.textures.new("Ripples", "WOOD")
+    texture.wood_type, texture.noise_scale, texture.turbulence = "BANDNOISE", 0.9, 3.0
+    bands = ob.modifiers.new("Ripples", "DISPLACE")
+    bands.texture, bands.strength, bands.direction, bands.texture_coords = texture, 0.05, "Z", "LOCAL"
 
 
 def column(name, height, location, tilt, stone):
@@ -89,10 +94,11 @@ def column(name, height, location, tilt, stone):
 
 def build():
     shading.set_world((0.45, 0.65, 0.95), 1.5)
-    add_sun(sun_from(70.0, 58.0), 75.0, (1.0, 0.94, 0.84))
+    add_sun(sun_from(70.0, 58.0), 38.0, (1.0, 0.94, 0.84))
     axis = np.linspace(-REACH - 1, REACH + 1, 28)
     ground = common.link("Sand", common.heightfield_mesh("Sand", axis, axis, sand_height), material=sand())
-    subdivide(ground, 2, smooth=True)
+    subdivide(ground, 3, smooth=True)
+    ripples(ground)
     rock, stone = matt("Rock", 0.10, 0.10, 0.09), matt("Marble", 0.70, 0.66, 0.58)
     for i, (x, y) in enumerate(((-1, 0), (1, 0), (0, -1), (0, 1))):
         centre, half = REACH * np.array((x, y)), np.where(np.array((x, y)) == 0, REACH + 1, 0.8)
