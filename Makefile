@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-vsp bench-guiding scenes bake clean
+.PHONY: help setup build render test test-long stress lint format asan bench bench-vsp bench-guiding scenes bake clean
 
 python := .venv/bin/python
 
@@ -32,6 +32,9 @@ test: setup ## run every test but the long ones
 
 test-long: build ## run the tests that take minutes each
 	$(python) -m pytest -m long --durations=0 $(ARGS)
+
+stress: build ## render the extreme cases, all of them (about 20 minutes)
+	$(python) -m pytest tests/stress -m "" --durations=10 $(ARGS)
 
 lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
 	@scripts/setup.sh lint

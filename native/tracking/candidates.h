@@ -164,16 +164,19 @@ void for_each_piece(std::vector<MajorantTrack>& tracks, float t, Piece&& piece) 
 
 /// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
 /// events (candidates and piece ends), `candidate(t, rate, tracks)` for every candidate; it returns false to
-/// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t.
+/// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t. In dense
+/// media candidates are closer to each other than floats can tell apart, so t is a double.
 /// `next_depth()` draws the optical depth to the next candidate: exponential of rate 1 for a Poisson process.
 template <class NextDepth, class Piece, class Candidate>
 void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float scale, NextDepth&& next_depth,
                         Piece&& piece, Candidate&& candidate) {
     float tau = next_depth();
-    for_each_piece(tracks, start, [&](float t, float end, float majorant) {
+    for_each_piece(tracks, start, [&](float begin, float piece_end, float majorant) {
         const float rate = majorant * scale;
-        while (rate * (end - t) > tau) {
-            const float at = std::min(t + tau / rate, end);
+        double t = double{begin};
+        const double end = double{piece_end};
+        while (rate > 0 && double{rate} * (end - t) > double{tau}) {
+            const double at = std::min(t + double{tau} / double{rate}, end);
             piece(t, at);
             t = at;
             tau = next_depth();
@@ -181,7 +184,7 @@ void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float s
                 return false;
         }
         piece(t, end);
-        tau -= rate > 0 ? rate * (end - t) : 0;
+        tau -= rate > 0 ? static_cast<float>(double{rate} * (end - t)) : 0;
         return true;
     });
 }

@@ -7,7 +7,7 @@
 // tracking (Woodcock 1965) meets those, too, and absorption ends paths.
 #pragma once
 
-#include "tracking/flight.h"
+#include "tracking/candidate_flight.h"
 
 namespace nephele {
 
@@ -32,7 +32,7 @@ inline Flight delta_flight(const Segment& segment, TrackingScratch& scratch, boo
         detail::meet(flight, t, c, analog, before, beta, rng);
         return false;
     };
-    return detail::fly(segment, scratch, flight, beta, rng, counters, event);
+    return detail::fly(segment, scratch, flight, analog, beta, rng, counters, event);
 }
 
 }  // namespace nephele

@@ -32,14 +32,15 @@ inline Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters
     while (track.advance()) {
         const float end = track.piece_end(), majorant = track.majorant();
         const Rgb unit = track.unit() / std::max(majorant, 1e-30f);
-        while (majorant * (end - t) > tau) {
-            t = std::min(t + tau / majorant, end);
+        double at = double{t};  // floats cannot tell the candidates of dense media apart
+        while (double{majorant} * (double{end} - at) > double{tau}) {
+            at = std::min(at + double{tau} / double{majorant}, double{end});
             tau = rng.next_exponential();
-            T *= max(Rgb(1) - unit * track.scale(t, rng, counters), Rgb(0));
+            T *= max(Rgb(1) - unit * track.scale(static_cast<float>(at), rng, counters), Rgb(0));
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
-        tau -= majorant * (end - t);
+        tau -= static_cast<float>(double{majorant} * (double{end} - at));
         t = end;
     }
     return T;

@@ -15,15 +15,16 @@ inline Rgb residual_ratio_transmittance(MajorantTrack track, Rng& rng, Counters&
         const float begin = t, end = track.piece_end(), minorant = track.minorant();
         const float residual = track.majorant() - max_component(track.unit()) * minorant;
         const Rgb unit = track.unit() / std::max(residual, 1e-30f);
-        while (residual * (end - t) > tau) {
-            t = std::min(t + tau / residual, end);
+        double at = double{t};  // floats cannot tell the candidates of dense media apart
+        while (double{residual} * (double{end} - at) > double{tau}) {
+            at = std::min(at + double{tau} / double{residual}, double{end});
             tau = rng.next_exponential();
-            const Rgb rest = max(track.scale(t, rng, counters) - Rgb(minorant), Rgb(0));
+            const Rgb rest = max(track.scale(static_cast<float>(at), rng, counters) - Rgb(minorant), Rgb(0));
             T *= max(Rgb(1) - unit * rest, Rgb(0));
             if (!detail::survives_roulette(T, rng))
                 return Rgb(0);
         }
-        tau -= residual * (end - t);
+        tau -= static_cast<float>(double{residual} * (double{end} - at));
         t = end;
         if (minorant > 0) {
             T *= exp(track.unit() * (-minorant * (end - begin)));
