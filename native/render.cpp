@@ -57,6 +57,11 @@ PixelFilter::Kind filter_kind(Settings::PixelFilter kind) {
     return PixelFilter::Kind::blackman_harris;
 }
 
+void check_border(const FilmSource& frame) {
+    if (frame.x0 < 0 || frame.y0 < 0 || frame.x1 > frame.width || frame.y1 > frame.height)
+        throw std::invalid_argument("the render border reaches beyond the picture; clear it or draw it anew");
+}
+
 void check_plain(const Settings& settings, const Scene& scene) {
     if (settings.integrator != Settings::Integrator::plain)
         return;
@@ -79,6 +84,7 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       kernel_(choose_kernel(settings, scene_->features())),
       learning_(*scene_, settings, film_.width(), film_.height()) {
+    check_border(frame_);
     check_plain(settings_, *scene_);
     const auto any = [&](std::initializer_list<PassId> passes) {
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });

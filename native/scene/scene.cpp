@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "scene/naming.h"
+#include "scene/reach.h"
 
 namespace nephele {
 
@@ -19,12 +20,16 @@ void check_mesh(const Mesh& mesh) {
         if (i < 0 || i >= vertices)
             throw std::invalid_argument("a triangle names a vertex that does not exist");
     }
-    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
-        for (const float x : *positions) {
-            if (!std::isfinite(x))
-                throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
-        }
-    }
+    const auto check_finite = [](const Buffer<float>& values, const char* fault) {
+        if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
+            throw std::invalid_argument(fault);
+    };
+    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions})
+        check_finite(*positions, "a vertex is not finite; apply or mend its modifiers");
+    for (const Buffer<float>* normals : {&mesh.corner_normals, &mesh.motion_normals})
+        check_finite(*normals, "a normal is not finite; clear its custom normals");
+    for (const Buffer<float>& uv : mesh.uvs)
+        check_finite(uv, "a UV coordinate is not finite; unwrap it anew");
     const std::size_t n = mesh.triangle_count();
     const auto fits = [](std::size_t size, std::size_t wanted) { return size == 0 || size == wanted; };
     bool good = fits(mesh.corner_normals.size(), 9 * n) && fits(mesh.material_index.size(), n);
@@ -42,6 +47,13 @@ void check_mesh(const Mesh& mesh) {
     }
     if (!good)
         throw std::invalid_argument("an array does not have one entry per triangle corner");
+}
+
+/// Refuses what no ray could reach: see Intersector.
+void check_reach(const Instance& instance, float mesh_reach) {
+    if (!(reach_of(instance, mesh_reach) < Intersector::kFarthest))
+        throw std::invalid_argument(
+            "it reaches further than 1e18 m from the camera; check its transform and its vertices");
 }
 
 }  // namespace
@@ -72,6 +84,11 @@ Scene::Scene(SceneSource source, const Settings& settings) : source_(std::move(s
 void Scene::add_meshes() {
     for (const Mesh& mesh : source_.meshes)
         naming("mesh '" + mesh.name + "'", [&] { check_mesh(mesh); });
+    std::vector<float> reaches;
+    for (const Mesh& mesh : source_.meshes)
+        reaches.push_back(reach_of(mesh));
+    for (const Instance& instance : source_.instances)
+        naming("object '" + instance.name + "'", [&] { check_reach(instance, reaches[instance.mesh]); });
     std::vector<std::uint32_t> surfaces, boundaries, dielectrics;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {

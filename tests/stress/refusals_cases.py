@@ -4,7 +4,7 @@
 import dataclasses
 
 import numpy as np
-from judge import Refusal
+from judge import Case, Refusal
 from nephele import description as d
 from stages import WHITE, block, vdb
 from truth import Scene, box, constant_program, diffuse, emission, medium, orthographic, placed
@@ -95,7 +95,7 @@ CASES = [
         Refusal(f"coefficient {x}", lambda x=x: block(0.5, x), ("cube", "coefficient"))
         for x in (NAN, INF, -1.0, 1e39)
     ),
-    *(Refusal(f"anisotropy {x}", lambda x=x: block(0.5, 0.1, g=x), ("cube", "anisotropy")) for x in (NAN, 2.0)),
+    *(Refusal(f"anisotropy {x}", lambda x=x: block(0.5, 0.1, g=x), ("phase", "not finite")) for x in (NAN,)),
     *(
         Refusal(f"lamp with {name} {x}", lambda name=name, x=x: lit_by(**{name: x, "kind": kind}), ("the lamp",))
         for name, x, kind in (
@@ -107,7 +107,7 @@ CASES = [
     ),
     Refusal("lamp nowhere", lambda: lit_by(world_from_light=NOWHERE), ("the lamp", "transform")),
     *(
-        Refusal(f"eye with {name} {x}", lambda name=name, x=x: seen_by(**{name: x}), ("the eye",))
+        Refusal(f"eye with {name} {np.ravel(x)[:4]}", lambda name=name, x=x: seen_by(**{name: x}), ("the eye",))
         for name, x in (
             ("viewplane", (0.0, 0.0, 0.0, 0.0)), ("viewplane", (NAN, 1, -1, 1)), ("viewplane", (-INF, INF, -1, 1)),
             ("clip_start", NAN), ("clip_start", 2e30), ("clip_end", NAN), ("aperture_radius", NAN),
@@ -121,13 +121,14 @@ CASES = [
                         ("crop", (0, 0, 17, 16)))
     ),
     Refusal("no such VDB file", lambda: scene().add_volume("/nowhere/a.vdb"), ("/nowhere/a.vdb", "volume")),
+    # What a shader computes as no number is taken for 0, as programs do with every operation's result.
     *(
-        Refusal(f"world of {x}", lambda x=x: Scene(orthographic((0, 0, 4), (0, 0, 0)), emission(x)), ("world", "finite"))
+        Case(f"world of {x}", lambda x=x: Scene(orthographic((0, 0, 4), (0, 0, 0)), emission(x)), None, quick=True)
         for x in (NAN, INF)
     ),
     *(
-        Refusal(f"glow of {x}", lambda x=x: scene().add(CUBE, emission(x)), ("finite",))
+        Case(f"glow of {x}", lambda x=x: scene().add(CUBE, emission(x)), None, ("default", "field"), quick=True)
         for x in (NAN, INF)
     ),
-    Refusal("albedo of nan", lambda: scene().add(CUBE, constant_program(("diffuse", NAN, 0.0, None))), ("finite",)),
+    Case("albedo of nan", lambda: scene().add(CUBE, constant_program(("diffuse", NAN, 0.0, None))), None),
 ]

@@ -27,7 +27,7 @@ def rows():
         for case in importlib.import_module(f"{table}_cases").CASES:
             for i, way in enumerate(case.ways if isinstance(case, Case) else ("refused",)):
                 marks = () if case.quick and i == 0 else (pytest.mark.stress,)
-                yield pytest.param(case, way, marks=marks, id=f"{table}-{case.name}-{way}")
+                yield pytest.param(case, way, marks=marks, id=f"{table}-{case.name}-{way}".replace("\n", " "))
 
 
 @pytest.mark.parametrize(("case", "way"), rows())
