@@ -20,7 +20,7 @@ def ones(_):
 
 def spike(_):
     values = np.ones((16, 16, 16))
-    values[8, 8, 8] = 1e6
+    values[12, 12, 12] = 1e6
     return values
 
 
@@ -55,9 +55,9 @@ def galaxy_in_a_box(power):
 
 def spike_in_balance(voxel):
     """A spike of 1e6 times what is around it that shines at its absorption."""
-    closure = medium(0.04 / voxel, 0.01 / voxel, 0.5, density_grid="density")
-    shining = d.VolumeClosure(emission=(0.01 / voxel,) * 3, emission_grid="density")
-    view = orthographic((0.5 * voxel, 0.5 * voxel, 40 * voxel), (0.5 * voxel, 0.5 * voxel, 0), 1e-3 * voxel)
+    closure = medium(4e-6 / voxel, 1e-6 / voxel, 0.5, density_grid="density")
+    shining = d.VolumeClosure(emission=(1e-6 / voxel,) * 3, emission_grid="density")
+    view = orthographic((4.5 * voxel, 4.5 * voxel, 40 * voxel), (4.5 * voxel, 4.5 * voxel, 0), 1e-3 * voxel)
     return Scene(view, WHITE).add_volume(vdb(spike, voxel), closure, shining, world_from_object=centred(16, voxel))
 
 
@@ -78,7 +78,8 @@ CASES = [
         for voxel, o in ((1e-2, (1e7, -1e7, 1e7)), (1.0, (1e7, -1e7, 1e7)), (1e3, (-1e7, 0, 0)))
     ),
     *(
-        Case(f"balance of a spike in {voxel:g} m", lambda voxel=voxel: spike_in_balance(voxel), 1.0, GRIDS, cpu=30)
+        Case(f"balance of a spike in {voxel:g} m", lambda voxel=voxel: spike_in_balance(voxel), 1.0, GRIDS, size=8,
+             samples=16, most=0.1, cpu=30)
         for voxel in (1e-6, 1e4)
     ),
     Case("a planet", planet, Twin(settings={"train_field": "never", "distance_sampling": "delta"}), SOME, samples=128,

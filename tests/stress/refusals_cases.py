@@ -77,7 +77,7 @@ CASES = [
     *(Refusal(f"vertex {x}", lambda x=x: with_vertex(x), ("the cube", "not finite", "apply")) for x in (NAN, INF, -INF)),
     *(Refusal(f"normal {x}", lambda x=x: with_normal(x), ("the cube", "normal", "not finite")) for x in (NAN, INF)),
     *(Refusal(f"uv {x}", lambda x=x: with_uv(x), ("the cube", "not finite")) for x in (NAN, INF)),
-    Refusal("vertex of 1e30 m", lambda: with_vertex(1e30), ("the cube", "far")),
+    Refusal("vertex of 1e30 m", lambda: with_vertex(1e30), ("the cube", "further")),
     *(
         Refusal(f"{what} {name}", lambda m=m, volume=volume, surface=surface: placed_by(m, volume, surface), (
             "the cube", "transform"))
