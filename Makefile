@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long stability lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
+.PHONY: help setup build render test test-long stability stress lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
 
 python := .venv/bin/python
 
@@ -38,6 +38,9 @@ test-long: build ## run the tests that take minutes each
 stability: setup ## measure the errors of the formulas, and write docs/stability.md
 	@scripts/build.sh all
 	$(python) tools/stability_page.py build/release/tests/native/stability
+
+stress: build ## render the extreme cases, all of them (about 20 minutes)
+	$(python) -m pytest tests/stress -m "" --durations=10 $(ARGS)
 
 lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
 	@scripts/setup.sh lint

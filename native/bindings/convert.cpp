@@ -168,6 +168,8 @@ std::array<double, 3> move_origin(CameraDescription& camera) {
     constexpr double kCell = 1024;  // as the camera moves about in one, nothing else does
     std::array<double, 3> origin{};
     double* m = camera.world_from_camera;
+    if (!std::isfinite(m[3] + m[7] + m[11]))
+        return origin;  // which is refused later
     if (std::max({std::fabs(m[3]), std::fabs(m[7]), std::fabs(m[11])}) < kFar)
         return origin;
     for (std::size_t a = 0; a < 3; ++a) {

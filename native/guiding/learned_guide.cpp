@@ -110,13 +110,25 @@ VspGuide learned_guide(const Settings& settings, const RayMeans& near, const Poo
     const float known_v = std::lerp(s, v, volume.known), known_s = std::lerp(v, s, surface.known);
     v = known_v;
     s = known_s;
-    if (!(v + s > 0))
-        return guide;  // black so far
-    // What was not seen yet may be there all the same.
+    // What was not seen yet may be there all the same. But where it passes for nearly certain, as behind thin
+    // media, no more than half of the paths go there for that.
     constexpr float kFloor = 0.02f;
-    const float least = kFloor * std::max(v, s);
-    guide.volume_radiance = std::max(v, least) / (v + s);
-    guide.surface_radiance = std::max(s, least) / (v + s);
+    const auto even = [](float others_weight, float weight) {
+        return std::clamp(weight > 0 ? others_weight / weight : 1.0f, 1e-20f, 1.0f);
+    };
+    const auto least = [&](float other, float others_weight, float weight) {
+        return other * std::min(even(others_weight, weight), kFloor);
+    };
+    if (!(v + s > 0)) {
+        // Black so far: what is known to be gives way to what was not seen enough.
+        if (surface.known > volume.known)
+            guide.surface_radiance = even(near.volume_weight, near.surface_weight);
+        if (volume.known > surface.known)
+            guide.volume_radiance = even(near.surface_weight, near.volume_weight);
+        return guide;
+    }
+    guide.volume_radiance = std::max(v, least(s, near.surface_weight, near.volume_weight)) / (v + s);
+    guide.surface_radiance = std::max(s, least(v, near.volume_weight, near.surface_weight)) / (v + s);
     const float towards_volume = guide.volume_radiance * near.volume_weight;
     const float towards_surface = guide.surface_radiance * near.surface_weight;
     if (towards_volume + towards_surface > 0) {

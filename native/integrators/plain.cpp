@@ -54,43 +54,47 @@ Collision collide(const Segment& segment, int channel, Rng& rng, Counters& count
         begin = std::min(begin, i.t0);
         end = std::max(end, i.t1);
     }
-    for (float t = begin; t < end;) {
+    for (double t = double{begin}; t < double{end};) {  // floats cannot tell the steps of dense media apart
+        const auto before = [&](float border) { return t < double{border}; };
         float majorant = 0, change = end;  // the same media are around up to there
         for (const Interval& i : segment.intervals) {
-            const bool here = i.t0 <= t && t < i.t1;
+            const bool here = !before(i.t0) && before(i.t1);
             if (here)
                 majorant += global_majorant(*i.medium, channel);
-            if (here || t < i.t0)
+            if (here || before(i.t0))
                 change = std::min(change, here ? i.t1 : i.t0);
         }
-        const float next = majorant > 0 ? t + rng.next_exponential() / majorant : kInfinity;
-        const float step = std::min(next, change) - t;
+        const double next =
+            majorant > 0 ? t + double{rng.next_exponential()} / double{majorant} : double{kInfinity};
+        const bool passes = next >= double{change};
+        const auto at = static_cast<float>(next);
+        const auto step = static_cast<float>(std::min(next, double{change}) - t);
         float sigma_t = 0, sigma_s = 0;
         PhaseFunction phase;
         for (const Interval& i : segment.intervals) {
-            if (t < i.t0 || t >= i.t1)
+            if (before(i.t0) || !before(i.t1))
                 continue;
             if (step < kInfinity && i.medium->emits()) {
-                const float at = t + step * rng.next();
-                emitted += medium_at(i, segment, at, counters).emission[channel] * step;
+                const auto on_the_way = static_cast<float>(t + double{step} * double{rng.next()});
+                emitted += medium_at(i, segment, on_the_way, counters).emission[channel] * step;
             }
-            if (next >= change)
+            if (passes)
                 continue;
-            const MediumPoint m = medium_at(i, segment, next, counters).coefficients;
+            const MediumPoint m = medium_at(i, segment, at, counters).coefficients;
             sigma_t += m.sigma_t[channel];
             const float s = m.sigma_s[channel];
             sigma_s += s;
             if (s > 0 && rng.next() * sigma_s < s)
                 phase = m.phase;
         }
-        t = std::min(next, change);
-        if (next >= change)
+        t = std::min(next, double{change});
+        if (passes)
             continue;
         const float u = rng.next() * majorant;
         if (u < sigma_s)
-            return {Collision::What::scattered, t, phase};
+            return {Collision::What::scattered, at, phase};
         if (u < sigma_t)
-            return {Collision::What::absorbed, t, {}};
+            return {Collision::What::absorbed, at, {}};
     }
     return {};
 }

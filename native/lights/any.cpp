@@ -22,12 +22,13 @@ void check(const LampDescription& lamp) {
         reject(lamp, "its power is negative; use zero or more");
     if (!(lamp.radius >= 0 && std::isfinite(lamp.radius)))
         reject(lamp, "its radius must be 0 m or more");
-    if (!(lamp.size_x >= 0 && lamp.size_y >= 0))
-        reject(lamp, "its size must be 0 m or more");
-    if (!(lamp.angle >= 0 && lamp.spread >= 0))
-        reject(lamp, "its angle must be 0 or more");
-    if (!(lamp.spot_size >= 0 && lamp.spot_blend >= 0))
-        reject(lamp, "its spot size and blend must be 0 or more");
+    const auto sound = [](float x) { return x >= 0 && std::isfinite(x); };
+    if (!sound(lamp.size_x) || !sound(lamp.size_y))
+        reject(lamp, "its size must be 0 m or more, and finite");
+    if (!sound(lamp.angle) || !sound(lamp.spread))
+        reject(lamp, "its angle must be 0 or more, and finite");
+    if (!sound(lamp.spot_size) || !sound(lamp.spot_blend))
+        reject(lamp, "its spot size and blend must be 0 or more, and finite");
 }
 
 /// Whether the object's scale leaves the lamp something to shine with.

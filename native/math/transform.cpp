@@ -24,8 +24,11 @@ Transform inverse_of(const double (&m)[16]) {
         }
     }
     const double det = m[0] * cofactor[0] + m[1] * cofactor[3] + m[2] * cofactor[6];
-    if (!(std::fabs(det) > 0) || !std::isfinite(det) || !std::isfinite(1 / det)) {
-        throw std::invalid_argument("its transform is singular (a scale of zero or a non-finite value)");
+    const bool placed = std::isfinite(m[3]) && std::isfinite(m[7]) && std::isfinite(m[11]);
+    if (!placed || !(std::fabs(det) > 0) || !std::isfinite(det) || !std::isfinite(1 / det)) {
+        throw std::invalid_argument(
+            "its transform is singular (a scale of zero or a value that is not finite); mend its location, "
+            "rotation and scale, or hide it");
     }
     double inverse[16] = {};
     for (int r = 0; r < 3; ++r) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/camera.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "math/warp.h"
@@ -46,6 +47,15 @@ void check(const CameraDescription& camera) {
     const auto reject = [&](const char* fault) {
         throw std::invalid_argument("camera '" + camera.name + "': " + fault);
     };
+    for (const double m : camera.world_from_camera) {
+        if (!std::isfinite(m))
+            reject("its transform is not finite; check its location and rotation");
+    }
+    const double frame[] = {camera.left, camera.right, camera.bottom, camera.top};
+    if (!std::all_of(std::begin(frame), std::end(frame), [](double x) { return std::isfinite(x); }))
+        reject("its frame is not finite; check its lens and shift");
+    if (!std::isfinite(camera.aperture_radius) || !std::isfinite(camera.blades_rotation))
+        reject("its aperture is not finite; check its depth of field");
     if (!(camera.right > camera.left && camera.top > camera.bottom))
         reject("its frame has no area");
     if (!(camera.clip_start >= 0 && camera.clip_end > camera.clip_start))

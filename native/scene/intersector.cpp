@@ -45,8 +45,8 @@ RTCRay rtc_ray(const Ray& r) {
 
 /// Embree may end the process over rays that are not. They meet nothing.
 bool is_sound(const Ray& r) {
-    constexpr float kFarthest = 1e18f;
     const auto near = [](Vec3f v) {
+        constexpr float kFarthest = Intersector::kFarthest;
         return std::fabs(v.x) < kFarthest && std::fabs(v.y) < kFarthest && std::fabs(v.z) < kFarthest;
     };
     return near(r.o) && near(r.d) && r.t_min <= r.t_max;

@@ -35,6 +35,8 @@ class HitFilter {
 
 class Intersector {
   public:
+    static constexpr float kFarthest = 1e18f;  ///< m; no ray meets anything beyond
+
     /// How a query decides which faces it meets.
     enum class Faces {
         fast,  ///< Embree's own test: a ray that grazes an edge or vertex may miss one of the faces there

@@ -28,6 +28,19 @@ void for_each_placement(const Instance& instance, Visit&& visit) {
         visit(step, inverse_of(step));
 }
 
+/// Bound on the coordinates of an instance in the world. mesh_reach: reach_of its mesh.
+inline float reach_of(const Instance& instance, float mesh_reach) {
+    float reach = 0;
+    for_each_placement(instance, [&](const Transform& m, const Transform&) {
+        for (int a = 0; a < 3; ++a) {
+            const Vec3f row = m.row[static_cast<std::size_t>(a)];
+            reach = std::max(reach, std::fabs(m.translation[a]) +
+                                        mesh_reach * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
+        }
+    });
+    return reach;
+}
+
 /// Largest coordinate of the instances in the world.
 inline float reach_of(std::span<const Mesh> meshes, std::span<const Instance> instances,
                       std::span<const std::uint32_t> used) {
@@ -37,13 +50,7 @@ inline float reach_of(std::span<const Mesh> meshes, std::span<const Instance> in
         float& own = of_mesh[instances[i].mesh];
         if (own < 0)
             own = reach_of(meshes[instances[i].mesh]);
-        for_each_placement(instances[i], [&](const Transform& m, const Transform&) {
-            for (int a = 0; a < 3; ++a) {
-                const Vec3f row = m.row[static_cast<std::size_t>(a)];
-                reach = std::max(reach, std::fabs(m.translation[a]) +
-                                            own * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
-            }
-        });
+        reach = std::max(reach, reach_of(instances[i], own));
     }
     return reach;
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "scene/naming.h"
+#include "scene/reach.h"
 
 namespace nephele {
 
@@ -19,12 +20,16 @@ void check_mesh(const Mesh& mesh) {
         if (i < 0 || i >= vertices)
             throw std::invalid_argument("a triangle names a vertex that does not exist");
     }
-    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions}) {
-        for (const float x : *positions) {
-            if (!std::isfinite(x))
-                throw std::invalid_argument("a vertex is not finite; apply or mend its modifiers");
-        }
-    }
+    const auto check_finite = [](const Buffer<float>& values, const char* fault) {
+        if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
+            throw std::invalid_argument(fault);
+    };
+    for (const Buffer<float>* positions : {&mesh.positions, &mesh.motion_positions})
+        check_finite(*positions, "a vertex is not finite; apply or mend its modifiers");
+    for (const Buffer<float>* normals : {&mesh.corner_normals, &mesh.motion_normals})
+        check_finite(*normals, "a normal is not finite; clear its custom normals");
+    for (const Buffer<float>& uv : mesh.uvs)
+        check_finite(uv, "a UV coordinate is not finite; unwrap it anew");
     const std::size_t n = mesh.triangle_count();
     const auto fits = [](std::size_t size, std::size_t wanted) { return size == 0 || size == wanted; };
     bool good = fits(mesh.corner_normals.size(), 9 * n) && fits(mesh.material_index.size(), n);
@@ -42,6 +47,13 @@ void check_mesh(const Mesh& mesh) {
     }
     if (!good)
         throw std::invalid_argument("an array does not have one entry per triangle corner");
+}
+
+/// Refuses what no ray could reach: see Intersector.
+void check_reach(const Instance& instance, float mesh_reach) {
+    if (!(reach_of(instance, mesh_reach) < Intersector::kFarthest))
+        throw std::invalid_argument(
+            "it reaches further than 1e18 m from the camera; check its transform and its vertices");
 }
 
 }  // namespace
@@ -75,8 +87,12 @@ Scene::Scene(SceneSource source, const Settings& settings, PartCache* parts)
     scope.commit();
 }
 
-void Scene::check_meshes() {
-    struct Checked {};
+/// Returns how far each mesh reaches; see reach_of().
+std::vector<float> Scene::check_meshes() {
+    struct Checked {
+        float reach;
+    };
+    std::vector<float> reaches;
     for (const Mesh& mesh : source_.meshes) {
         PartKey key;
         key.add(mesh.positions).add(mesh.triangles).add(mesh.corner_normals).add(mesh.material_index);
@@ -87,16 +103,20 @@ void Scene::check_meshes() {
                 key.add(layer);
         }
         naming("mesh '" + mesh.name + "'", [&] {
-            parts_->get_or_make<Checked>(key, [&] {
+            const auto checked = parts_->get_or_make<Checked>(key, [&] {
                 check_mesh(mesh);
-                return Checked();
+                return Checked{reach_of(mesh)};
             });
+            reaches.push_back(checked->reach);
         });
     }
+    return reaches;
 }
 
 void Scene::add_meshes() {
-    check_meshes();
+    const std::vector<float> reaches = check_meshes();
+    for (const Instance& instance : source_.instances)
+        naming("object '" + instance.name + "'", [&] { check_reach(instance, reaches[instance.mesh]); });
     std::vector<std::uint32_t> surfaces, boundaries, dielectrics;
     region_of_instance_.assign(source_.instances.size(), kNoRegion);
     for (std::uint32_t i = 0; i < source_.instances.size(); ++i) {

@@ -164,7 +164,7 @@ class Scene {
     void drop_priority_of_emitter(Instance& instance);
     /// Whether the triangle has a surface shader that rays of this kind see.
     bool is_surface(const Hit& hit, std::uint32_t ray_kind) const;
-    void check_meshes();
+    std::vector<float> check_meshes();
     void add_meshes();
     void add_lights_of_meshes(std::vector<MeshLight>& lights, std::size_t lamps);
     void add_volumes();

@@ -282,6 +282,13 @@ class Scene::VolumeBuilder {
 
 namespace {
 
+void check(const VolumeSource& volume) {
+    if (!(volume.density_scale >= 0) || !std::isfinite(volume.density_scale))
+        throw std::invalid_argument("the scale of its density is negative or not finite; mend its scale");
+    if (!std::isfinite(volume.options.clipping))
+        throw std::invalid_argument("its clipping is not finite; set it to 0");
+}
+
 VolumeObject object_of(const VolumeSource& volume) {
     VolumeObject object;
     object.instance.name = volume.name;
@@ -302,6 +309,7 @@ void Scene::add_volumes() {
     GridCacheScope cache;
     for (const VolumeSource& volume : source_.volumes) {
         naming("volume '" + volume.name + "'", [&] {
+            check(volume);
             const VolumeObject& object = volume_objects_.emplace_back(object_of(volume));
             VolumeBuilder(*this, volume, object, cache).build();
         });

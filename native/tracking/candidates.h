@@ -192,45 +192,46 @@ class CandidateSteps {
   public:
     /// tau: optical depth to the first candidate.
     CandidateSteps(float t0, float end, float rate, float tau)
-        : t0_(t0),
-          end_(end),
+        : t0_(double{t0}),
+          end_(double{end}),
           length_per_depth_(1 / double{rate}),
           depth_(rate > 0 ? double{rate} * (double{end} - double{t0}) : 0),
           next_(double{tau}) {}
 
     /// Whether another candidate lies on the piece, and where.
     bool more() const { return next_ < depth_; }
-    float at() const { return std::min(static_cast<float>(t0_ + next_ * length_per_depth_), end_); }
+    double at() const { return std::min(t0_ + next_ * length_per_depth_, end_); }
     /// Goes on to the candidate that is `tau` of optical depth away.
     void advance(float tau) { next_ += double{tau}; }
     /// Optical depth from the piece's end to the next candidate.
     float beyond() const { return static_cast<float>(next_ - depth_); }
 
   private:
-    float t0_, end_;
-    double length_per_depth_, depth_, next_;
+    double t0_, end_, length_per_depth_, depth_, next_;
 };
 
 /// Walks the candidates of several overlapping intervals. `piece(t0, t1)` is called for every stretch between
 /// events (candidates and piece ends), `candidate(t, rate, tracks)` for every candidate; it returns false to
-/// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t.
+/// stop. The rate at t is `scale` times the sum of the majorants of the tracks that are active at t. In dense
+/// media candidates are closer to each other than floats can tell apart, so t is a double.
 /// `next_depth()` draws the optical depth to the next candidate: exponential of rate 1 for a Poisson process.
 template <KernelTraits k = kEverything, class NextDepth, class Piece, class Candidate>
 void for_each_candidate(std::vector<MajorantTrack>& tracks, float start, float scale, NextDepth&& next_depth,
                         Piece&& piece, Candidate&& candidate) {
     float tau = next_depth();
-    for_each_piece<k>(tracks, start, [&](float t, float end, float majorant) {
+    for_each_piece<k>(tracks, start, [&](float begin, float end, float majorant) {
         const float rate = majorant * scale;
-        CandidateSteps steps(t, end, rate, tau);
+        CandidateSteps steps(begin, end, rate, tau);
+        double t = double{begin};
         while (steps.more()) {
-            const float at = steps.at();
+            const double at = steps.at();
             piece(t, at);
             t = at;
             steps.advance(next_depth());
             if (!candidate(t, rate, tracks))
                 return false;
         }
-        piece(t, end);
+        piece(t, double{end});
         tau = steps.beyond();
         return true;
     });

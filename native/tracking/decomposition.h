@@ -6,7 +6,7 @@
 // with the residual part or none, weighted as in delta.h.
 #pragma once
 
-#include "tracking/flight.h"
+#include "tracking/candidate_flight.h"
 
 namespace nephele {
 
@@ -93,7 +93,7 @@ Flight decomposition_flight(const Segment& segment, TrackingScratch& scratch, bo
         detail::meet(flight, t, residual, false, before, beta, rng);
         return false;
     };
-    return detail::fly<k>(segment, scratch, flight, beta, rng, counters, event);
+    return detail::fly<k>(segment, scratch, flight, false, beta, rng, counters, event);
 }
 
 }  // namespace nephele

@@ -7,7 +7,7 @@
 // tracking (Woodcock 1965) meets those, too, and absorption ends paths.
 #pragma once
 
-#include "tracking/flight.h"
+#include "tracking/candidate_flight.h"
 
 namespace nephele {
 
@@ -33,7 +33,7 @@ Flight delta_flight(const Segment& segment, TrackingScratch& scratch, bool analo
         detail::meet(flight, t, c, analog, before, beta, rng);
         return false;
     };
-    return detail::fly<k>(segment, scratch, flight, beta, rng, counters, event);
+    return detail::fly<k>(segment, scratch, flight, analog, beta, rng, counters, event);
 }
 
 }  // namespace nephele

@@ -93,51 +93,25 @@ Coefficients coefficients_at(TrackingScratch& scratch, float t, Rng& rng, Counte
     return sum;
 }
 
-/// Emission of the stretch [t0, t1], on which no event happened: one point stands for it.
+/// Emission of the stretch [t0, t1], on which no event happened: one point stands for it. Stretches of dense
+/// media are shorter than what floats at their distance can tell apart.
 template <KernelTraits k = kEverything>
-Rgb emission_between(const TrackingScratch& scratch, float t0, float t1, Rng& rng, Counters& counters) {
+Rgb emission_between(const TrackingScratch& scratch, double t0, double t1, Rng& rng, Counters& counters) {
     Rgb sum;
-    if (!k.emission || !(t1 < kInfinity))
+    if (!k.emission || !(t1 < double{kInfinity}))
         return sum;
+    const auto length = static_cast<float>(t1 - t0);
     float t = -1;
     for (const MajorantTrack& track : active_tracks<k>(scratch)) {
         const Medium& m = track.medium();
         const bool dark = track.empty() && (m.density_scales_emission || m.program);
-        if (track.interval().t0 > t0 || !m.emits() || dark)
+        if (double{track.interval().t0} > t0 || !m.emits() || dark)
             continue;
         if (t < 0)
-            t = lerp(t0, t1, rng.next());
-        sum += track.emission<k>(t, rng, counters) * (t1 - t0);
+            t = static_cast<float>(t0 + (t1 - t0) * double{rng.next()});
+        sum += track.emission<k>(t, rng, counters) * length;
     }
     return scratch.absorbers.empty() || t < 0 ? sum : sum * scratch.absorbed_to(t);
-}
-
-/// Through homogeneous media of great depth, the world's above all, channels that they do not touch are sure
-/// to get away, and the others are sure not to: decides between the two and leaves beta with the channels
-/// decided for. Returns where the path gets to, or nothing where it does not get away so. Without this, a
-/// path of an untouched channel would meet null collisions for ever.
-template <KernelTraits k = kEverything>
-std::optional<float> escape_deep_media(const TrackingScratch& scratch, float t, Rgb& beta, Rng& rng) {
-    constexpr float kOpaque = 104;  // exp(-kOpaque) is 0 in single precision
-    const float end = scratch.tracks.front().piece_end();
-    Rgb sigma_t;
-    for (const MajorantTrack& track : active_tracks<k>(scratch)) {
-        if (track.medium().bounds || track.piece_end() != end || t < track.interval().t0)
-            return std::nullopt;
-        sigma_t += track.medium().sigma_t;
-    }
-    Rgb free = beta, bound = beta;
-    for (int c = 0; c < 3; ++c) {
-        if (sigma_t[c] > 0 && sigma_t[c] * (end - t) < kOpaque)
-            return std::nullopt;
-        (sigma_t[c] > 0 ? free : bound)[c] = 0;
-    }
-    if (is_zero(free))
-        return std::nullopt;
-    const float p = mean(free) / mean(beta);
-    const bool escapes = rng.chance(p);
-    beta = escapes ? free / p : bound / (1 - p);
-    return escapes ? std::optional(end) : std::nullopt;
 }
 
 /// Where a path met media of these coefficients. beta: its throughput after, `before` its mean there.
@@ -163,32 +137,6 @@ inline bool absorb(Flight& flight, float t) {
     flight.t = t;
     flight.event = Flight::Event::absorbed;
     return false;
-}
-
-/// The loop of all methods. `event(t, majorant)` decides what happens at a candidate: it updates beta and the
-/// flight, and returns whether the path goes on.
-template <KernelTraits k, class Event>
-Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, Rgb& beta, Rng& rng,
-           Counters& counters, Event&& event) {
-    const auto gather = [&](float t0, float t1) {
-        const Rgb emitted = emission_between<k>(scratch, t0, t1, rng, counters);
-        if (!is_zero(emitted))
-            flight.emitted += beta * emitted;
-    };
-    const auto next_depth = [&] { return rng.next_exponential(); };
-    for_each_candidate<k>(scratch.tracks, segment.ray.t_min, 1, next_depth, gather,
-                          [&](float t, float majorant, const auto&) {
-                              if (const auto end = escape_deep_media<k>(scratch, t, beta, rng)) {
-                                  gather(t, *end);
-                                  return false;
-                              }
-                              return event(t, majorant);
-                          });
-    if (!scratch.absorbers.empty())
-        beta *= scratch.absorbed_to(flight.event == Flight::Event::passed ? segment.ray.t_max : flight.t);
-    if (is_zero(beta))
-        flight.event = Flight::Event::absorbed;
-    return flight;
 }
 
 }  // namespace detail

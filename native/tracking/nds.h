@@ -11,7 +11,7 @@
 // majorants are raised where candidates are few.
 #pragma once
 
-#include "tracking/flight.h"
+#include "tracking/candidate_flight.h"
 #include "tracking/ratio.h"
 #include "tracking/vsp.h"
 
@@ -61,18 +61,20 @@ inline Rgb emission_along(const Segment& segment, TrackingScratch& scratch, bool
                           Rng& rng, Counters& counters) {
     Rgb sum;
     scratch.start(segment, true, global_majorant);
-    const auto gather = [&](float t0, float t1) {
+    const auto gather = [&](double t0, double t1) {
         sum += beta * emission_between(scratch, t0, t1, rng, counters);
     };
     for_each_candidate(
         scratch.tracks, segment.ray.t_min, 1, [&] { return rng.next_exponential(); }, gather,
-        [&](float t, float rate, const auto&) {
-            if (const auto end = escape_deep_media(scratch, t, beta, rng)) {
-                gather(t, *end);
+        [&](double t, float rate, const auto&) {
+            const auto at = static_cast<float>(t);
+            beta *= max(Rgb(1) - coefficients_at(scratch, at, rng, counters).sigma_t / rate, Rgb(0));
+            if (!survives_roulette(beta, rng))
                 return false;
-            }
-            beta *= max(Rgb(1) - coefficients_at(scratch, t, rng, counters).sigma_t / rate, Rgb(0));
-            return survives_roulette(beta, rng);
+            const auto end = deep_end(scratch, t, beta);
+            if (end)
+                sum += deep_emission(scratch, t, *end, beta, rng);
+            return !end;
         });
     return sum;
 }
@@ -116,7 +118,7 @@ inline Flight nds_flight(const Segment& segment, TrackingScratch& scratch, const
     if (emits && !plus)
         flight.emitted = detail::emission_along(segment, scratch, global, beta, rng, counters);
     scratch.start(segment, true, global);
-    const auto gather = [&](float t0, float t1) {
+    const auto gather = [&](double t0, double t1) {
         const Rgb emitted = detail::emission_between(scratch, t0, t1, rng, counters);
         if (!is_zero(emitted))
             flight.emitted += beta * emitted;
@@ -129,25 +131,26 @@ inline Flight nds_flight(const Segment& segment, TrackingScratch& scratch, const
         const auto raised = [&](float p) { return -std::expm1(k * std::log1p(-p)); };
         for_each_candidate(
             scratch.tracks, start, scale, [&] { return rng.next_exponential(); }, gather,
-            [&](float t, float rate, const auto&) {
-                if (const auto end = detail::escape_deep_media(scratch, t, beta, rng)) {
-                    gather(t, *end);
-                    return false;
-                }
-                return detail::raised_event(flight, scratch, t, rate, beta, rng, counters, raised);
+            [&](double t, float rate, const auto&) {
+                return detail::raised_event(flight, scratch, static_cast<float>(t), rate, beta, rng, counters,
+                                            raised) &&
+                       !detail::flies_on_deep(flight, scratch, t, false, beta, rng, counters);
             });
     } else {
         const bool raises = target > likely && depth > kLeastDepth;
         const float end = raises ? -std::log1p(-likely / target) : kInfinity;
         detail::TruncatedDepths depths(end, depth, rng);
         for_each_candidate(
-            scratch.tracks, start, 1, depths, [](float, float) {},
-            [&](float t, float rate, const auto&) {
-                if (detail::escape_deep_media(scratch, t, beta, rng))
-                    return false;  // so deep that nothing was truncated
+            scratch.tracks, start, 1, depths, [](double, double) {},
+            [&](double t, float rate, const auto&) {
                 beta *= depths.weight();
-                return detail::raised_event(flight, scratch, t, rate, beta, rng, counters,
-                                            [](float p) { return p; });
+                if (!detail::raised_event(flight, scratch, static_cast<float>(t), rate, beta, rng, counters,
+                                          [](float p) { return p; }))
+                    return false;
+                const Rgb emitted = flight.emitted;  // which was found already
+                const bool ends = detail::flies_on_deep(flight, scratch, t, false, beta, rng, counters);
+                flight.emitted = emitted;
+                return !ends;  // so deep that nothing was truncated
             });
         if (flight.event == Flight::Event::passed && raises)
             beta *= depths.passing_weight();

@@ -38,7 +38,7 @@ Rgb ratio_transmittance(MajorantTrack track, Rng& rng, Counters& counters) {
         const Rgb unit = track.unit<k>() / std::max(majorant, 1e-30f);
         CandidateSteps steps(t, end, majorant, tau);
         while (steps.more()) {
-            const float at = steps.at();
+            const auto at = static_cast<float>(steps.at());
             steps.advance(rng.next_exponential());
             const Rgb scale = track.scale<k>(at, rng, counters);
             if constexpr (k.chromatic)

@@ -17,7 +17,7 @@ inline Rgb residual_ratio_transmittance(MajorantTrack track, Rng& rng, Counters&
         const Rgb unit = track.unit() / std::max(residual, 1e-30f);
         CandidateSteps steps(t, end, residual, tau);
         while (steps.more()) {
-            const float at = steps.at();
+            const auto at = static_cast<float>(steps.at());
             steps.advance(rng.next_exponential());
             const Rgb rest = max(track.scale(at, rng, counters) - Rgb(minorant), Rgb(0));
             T *= max(Rgb(1) - unit * rest, Rgb(0));

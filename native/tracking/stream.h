@@ -129,7 +129,7 @@ class StreamSampler {
         return std::min(scale_, std::max(kMostDepth / out_.majorant_depth, least_scale(guide_)));
     }
 
-    void gather(float t0, float t1) {
+    void gather(double t0, double t1) {
         const Rgb emitted = detail::emission_between<k>(scratch_, t0, t1, rng_, counters_);
         if (!is_zero(emitted))
             out_.emitted += T_ * emitted;
@@ -238,28 +238,31 @@ bool StreamSampler<k>::varying_piece(float t0, float t1, float majorant) {
         return true;
     }
     const float rate = majorant * scale_here();
+    const double end = double{t1}, beyond = double{kInfinity};
     CandidateSteps steps(t0, t1, rate, tau_);
-    for (float t = t0;;) {
-        const float left_virtual = lights_ ? lights_->expected(t, t1) : 0;
+    for (double t = double{t0};;) {
+        const auto here = static_cast<float>(t);
+        const float left_virtual = lights_ ? lights_->expected(here, t1) : 0;
         const bool real = steps.more(), near = left_virtual > tau_virtual_;
         if (!real && !near) {
-            gather(t, t1);
+            gather(t, end);
             tau_ = steps.beyond();
             tau_virtual_ -= left_virtual;
             return true;
         }
-        const float at_real = real ? std::max(steps.at(), t) : kInfinity;
-        const float at_near = near ? std::min(lights_->advance(t, tau_virtual_), t1) : kInfinity;
-        const float at = std::min(at_real, at_near);
+        const double at_real = real ? std::max(steps.at(), t) : beyond;
+        const double at_near = near ? std::min(double{lights_->advance(here, tau_virtual_)}, end) : beyond;
+        const double at = std::min(at_real, at_near);
+        const auto next = static_cast<float>(at);
         gather(t, at);
         if (at_real <= at_near) {
             steps.advance(rng_.next_exponential());
-            tau_virtual_ -= lights_ ? lights_->expected(t, at) : 0;
+            tau_virtual_ -= lights_ ? lights_->expected(here, next) : 0;
         } else {
             tau_virtual_ = rng_.next_exponential();
         }
         t = at;
-        candidate(t, rate + (lights_ ? lights_->rate(t) : 0));
+        candidate(next, rate + (lights_ ? lights_->rate(next) : 0));
         if (!survives())
             return false;
     }

@@ -96,7 +96,7 @@ TEST(StabilityTracking, CandidatePlaces) {
             CandidateSteps steps(start, kInfinity, sigma, ours());
             for (int i = 0; i < 20000; ++i) {
                 ASSERT_TRUE(steps.more());
-                at = steps.at();
+                at = static_cast<float>(steps.at());
                 steps.advance(ours());
                 gone += exact(theirs()) / exact(sigma);
             }
