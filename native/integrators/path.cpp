@@ -97,7 +97,7 @@ class Path : private PathLight {
         const Stream stream = guiding.walk(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
         const float p = guiding.probability(stream);
         segment->gathered = Rgb(0);
-        const bool gathers = guiding.gathers(p);
+        const bool gathers = !exhausted_in_volumes() && guiding.gathers(p);
         if (gathers)
             gather(stream, *segment);
         const Flight flight = guiding.decide(stream, p, walk_.beta, distance, sampler_.rng());
@@ -121,6 +121,11 @@ class Path : private PathLight {
         segment.undecided += segment.gathered;
     }
 
+    /// Whether the path may not scatter in volumes any more.
+    bool exhausted_in_volumes() const {
+        return walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces;
+    }
+
     bool scatter_in_volume(const Flight& flight) {
         const Vec3f p = walk_.ray.at(flight.t);
         record_.arrive(walk_.way.travelled() + flight.t);
@@ -128,7 +133,7 @@ class Path : private PathLight {
             walk_.first = First::volume;
             out_.volume_albedo = flight.albedo;
         }
-        if (walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces)
+        if (exhausted_in_volumes())
             return false;
         const FieldRegion* region = region_at(p, FieldPart::volume);
         const DirectionGuide guide = guide_in_volume(region, p);
@@ -194,7 +199,7 @@ class Path : private PathLight {
         const float before = mean(walk_.beta);
         walk_.beta *= sample->weight;
         if (sample->kind == 0) {  // straight through: no event
-            const Vec3f o = offset_point(point.p, -point.ng);
+            const Vec3f o = point.off(-point.ng);
             const float step = length(o - walk_.ray.o);
             walk_.way.advance(step);
             walk_.ray = {o, walk_.ray.d, 0, walk_.ray.t_max - step, walk_.ray.time};

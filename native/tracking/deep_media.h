@@ -80,8 +80,8 @@ inline void deep_flight(Flight& flight, TrackingScratch& scratch, double t, floa
 }
 
 /// Flies on from a null collision at t where that leads through deep media: false where it does not.
-inline bool flies_on_deep(Flight& flight, TrackingScratch& scratch, double t, bool analog, Rgb& beta, Rng& rng,
-                          Counters& counters) {
+inline bool flies_on_deep(Flight& flight, TrackingScratch& scratch, double t, bool analog, Rgb& beta,
+                          Rng& rng, Counters& counters) {
     const auto end = deep_end(scratch, t, beta);
     if (!end)
         return false;
