@@ -33,6 +33,7 @@ struct ShadingPoint {
     Vec3f wo;        ///< towards the viewer
     Vec3f object_p;  ///< p in object space (direction for the world)
     Vec3f barycentric;
+    float reach = 1;  ///< a share of the triangle's largest world coordinate; see offset_point()
     std::uint32_t triangle = 0;
     const Instance* instance = nullptr;  ///< null for the world
     const Mesh* mesh = nullptr;
@@ -45,6 +46,8 @@ struct ShadingPoint {
     /// stands still.
     const Transform* rest_from_world = nullptr;
 
+    /// p moved off the surface along n.
+    Vec3f off(Vec3f n) const { return offset_point(p, n, reach); }
     /// Whether p is a point; the background's is a direction.
     bool is_place() const { return instance || volume; }
     Vec3f at_rest(Vec3f p_world) const { return rest_from_world ? rest_from_world->point(p_world) : p_world; }

@@ -74,7 +74,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
                 s->barycentric.z};
         const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
         out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
-        out.target = offset_point(point.p, point.ng);
+        out.target = point.off(point.ng);
     } else {
         const EnvironmentLight::Sample s = lights.world()->sample(pair.fine());
         out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};

@@ -112,7 +112,7 @@ class Path : private PathLight<k> {
             guiding.template walk<k>(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
         const float p = guiding.probability(stream);
         segment->gathered = Rgb(0);
-        const bool gathers = guiding.gathers(p);
+        const bool gathers = !exhausted_in_volumes() && guiding.gathers(p);
         if (gathers)
             gather(stream, *segment);
         const Flight flight = guiding.decide(stream, p, walk_.beta, distance, sampler_.rng());
@@ -136,6 +136,11 @@ class Path : private PathLight<k> {
         segment.undecided += segment.gathered;
     }
 
+    /// Whether the path may not scatter in volumes any more.
+    bool exhausted_in_volumes() const {
+        return walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces;
+    }
+
     bool scatter_in_volume(const Flight& flight) {
         const Vec3f p = walk_.ray.at(flight.t);
         record_.arrive(walk_.way.travelled() + flight.t);
@@ -143,7 +148,7 @@ class Path : private PathLight<k> {
             walk_.first = First::volume;
             out_.volume_albedo = flight.albedo;
         }
-        if (walk_.bounces > settings_.max_bounces || walk_.volume_bounces > settings_.volume_bounces)
+        if (exhausted_in_volumes())
             return false;
         const FieldRegion* region = region_at(p, FieldPart::volume);
         const Guide guide = guide_in_volume(region, p);
@@ -208,7 +213,7 @@ class Path : private PathLight<k> {
         const float before = mean(walk_.beta);
         walk_.beta *= sample->weight;
         if (sample->kind == 0) {  // straight through: no event
-            const Vec3f o = offset_point(point.p, -point.ng);
+            const Vec3f o = point.off(-point.ng);
             const float step = length(o - walk_.ray.o);
             walk_.way.advance(step);
             walk_.ray = {o, walk_.ray.d, 0, walk_.ray.t_max - step, walk_.ray.time};

@@ -164,7 +164,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         if (beta == 0)
             break;
         if (sample->kind == 0) {
-            ray = {offset_point(point.p, -point.ng), sample->wi, 0, kInfinity, ray.time};
+            ray = {point.off(-point.ng), sample->wi, 0, kInfinity, ray.time};
             continue;
         }
         const Vec3f o = scene.departure(point, sample->wi, sample->crosses).o;

@@ -55,15 +55,17 @@ struct Frame {
 };
 
 /// Moves p off its surface along n, by an amount that scales with p's rounding error
-/// (Waechter and Binder, Ray Tracing Gems, chapter 6).
-inline Vec3f offset_point(Vec3f p, Vec3f n) {
-    constexpr float kOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 65536.0f, kIntScale = 256.0f;
+/// (Waechter and Binder, Ray Tracing Gems, chapter 6). reach: in proportion to what p was made of, whose
+/// rounding it has; where that is small, so is the least step.
+inline Vec3f offset_point(Vec3f p, Vec3f n, float reach = 1) {
+    constexpr float kLargestOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 2048.0f, kIntScale = 256.0f;
+    const float origin = std::min(reach, kLargestOrigin);
     Vec3f out;
     for (int i = 0; i < 3; ++i) {
         const auto step = static_cast<std::int32_t>(kIntScale * n[i]);
         const float moved =
             std::bit_cast<float>(std::bit_cast<std::int32_t>(p[i]) + (p[i] < 0 ? -step : step));
-        out[i] = std::fabs(p[i]) < kOrigin ? p[i] + kFloatScale * n[i] : moved;
+        out[i] = std::fabs(p[i]) < origin ? p[i] + kFloatScale * origin * n[i] : moved;
     }
     return out;
 }

@@ -38,7 +38,7 @@ Vec3f lift(const ShadingPoint& point, bool crosses) {
 }  // namespace
 
 Scene::Departure Scene::departure(const ShadingPoint& point, Vec3f wi, bool crosses) const {
-    const Vec3f n = crosses ? -point.ng : point.ng, o = offset_point(point.p, n);
+    const Vec3f n = crosses ? -point.ng : point.ng, o = point.off(n);
     const float cosine = dot(wi, n);
     if (cosine >= kGrazing || point.mesh->corner_normals.empty())
         return {point.p, o};
@@ -47,7 +47,7 @@ Scene::Departure Scene::departure(const ShadingPoint& point, Vec3f wi, bool cros
     // Not through what lies close above.
     if (height == 0 || is_zero(surface_transmittance({o, up / height, 0, height, point.time})))
         return {point.p, o};
-    return {point.p + up, offset_point(point.p + up, n)};
+    return {point.p + up, offset_point(point.p + up, n, point.reach)};
 }
 
 }  // namespace nephele

@@ -28,15 +28,22 @@ void for_each_placement(const Instance& instance, Visit&& visit) {
         visit(step, inverse_of(step));
 }
 
+/// Bound on the coordinates in the world of what reaches `own` in the space of an object.
+inline float reach_of(const Transform& world_from_object, float own) {
+    float reach = 0;
+    for (int a = 0; a < 3; ++a) {
+        const Vec3f row = world_from_object.row[static_cast<std::size_t>(a)];
+        reach = std::max(reach, std::fabs(world_from_object.translation[a]) +
+                                    own * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
+    }
+    return reach;
+}
+
 /// Bound on the coordinates of an instance in the world. mesh_reach: reach_of its mesh.
 inline float reach_of(const Instance& instance, float mesh_reach) {
     float reach = 0;
     for_each_placement(instance, [&](const Transform& m, const Transform&) {
-        for (int a = 0; a < 3; ++a) {
-            const Vec3f row = m.row[static_cast<std::size_t>(a)];
-            reach = std::max(reach, std::fabs(m.translation[a]) +
-                                        mesh_reach * (std::fabs(row.x) + std::fabs(row.y) + std::fabs(row.z)));
-        }
+        reach = std::max(reach, reach_of(m, mesh_reach));
     });
     return reach;
 }

@@ -87,7 +87,7 @@ void deep_flight(Flight& flight, TrackingScratch& scratch, double t, float end, 
 /// Flies on from a null collision at t where that leads through deep media: false where it does not.
 template <KernelTraits k = kEverything>
 bool flies_on_deep(Flight& flight, TrackingScratch& scratch, double t, bool analog, Rgb& beta, Rng& rng,
-                          Counters& counters) {
+                   Counters& counters) {
     const auto end = deep_end<k>(scratch, t, beta);
     if (!end)
         return false;

@@ -14,7 +14,7 @@ def pytest_terminal_summary(terminalreporter):
         return
     write = terminalreporter.write_line
     terminalreporter.section("extreme cases")
-    write("| cases | rows | renders | passed | worst t / allowed | worst deviation | most CPU s | CPU s in all |")
+    write("| cases | rows | renders | passed | worst t / allowed | worst deviation | most CPU s | CPU s |")
     write("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for group, rows in groups.items():
         figures = [

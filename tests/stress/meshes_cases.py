@@ -96,45 +96,95 @@ CASES = [
     # Media: the rule of media/segment.h, for closed meshes and for others.
     Case("2 coincident cubes", lambda: stacked(2), np.exp(-1.0), TRACKED, quick=True),
     Case("60 coincident cubes", lambda: stacked(60), np.exp(-1.0), TRACKED, rounding=2e-5),
-    Case("degenerate faces in a cube",
-         lambda: seen(with_triangles(CUBE, (0, 0, 0), (1, 1, 2), (3, 4, 3), (7, 7, 7))), np.exp(-1.0), TRACKED,
-         quick=True),
+    Case(
+        "degenerate faces in a cube",
+        lambda: seen(with_triangles(CUBE, (0, 0, 0), (1, 1, 2), (3, 4, 3), (7, 7, 7))),
+        np.exp(-1.0),
+        TRACKED,
+        quick=True,
+    ),
     Case("every face twice", lambda: seen(joined(CUBE, CUBE)), np.exp(-1.0), TRACKED),
     Case("every face both ways", lambda: seen(joined(CUBE, turned(CUBE))), None, TRACKED),
     Case("nothing but degenerate faces", lambda: seen(flat([(0, 0, 0), (1, 0, 0), (2, 0, 0)])), 1.0, SOME),
     Case("a face of one point", lambda: seen(flat([(0, 0, 0)] * 3)), 1.0, SOME),
-    Case("no faces", lambda: seen(dataclasses.replace(CUBE, triangles=np.zeros((0, 3), np.int32))), 1.0, SOME),
-    Case("no vertices",
-         lambda: seen(d.Mesh("none", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))), 1.0, SOME),
+    Case(
+        "no faces", lambda: seen(dataclasses.replace(CUBE, triangles=np.zeros((0, 3), np.int32))), 1.0, SOME
+    ),
+    Case(
+        "no vertices",
+        lambda: seen(d.Mesh("none", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))),
+        1.0,
+        SOME,
+    ),
     Case("inside out", lambda: seen(turned(CUBE)), 0.0, TRACKED),
     Case("no bottom: it never ends", lambda: seen(without(CUBE, BOTTOM)), 0.0, TRACKED),
     Case("no top: it began before the camera", lambda: seen(without(CUBE, TOP)), np.exp(-2.5), TRACKED),
     Case("a wall inside", lambda: seen(with_triangles(CUBE, (0, 1, 7))), None, TRACKED),
-    Case("light through a wall inside",
-         lambda: seen(with_triangles(CUBE, (0, 1, 7)), (medium(0.5, 0.1),), world=half_world(1.0)), PLAIN, SOME,
-         samples=256, most=0.06),
-    Case("light in an inside-out cube",
-         lambda: seen(turned(CUBE), (medium(0.5, 0.5),), world=half_world(1.0)), None, SOME),
+    Case(
+        "light through a wall inside",
+        lambda: seen(with_triangles(CUBE, (0, 1, 7)), (medium(0.5, 0.1),), world=half_world(1.0)),
+        PLAIN,
+        SOME,
+        samples=256,
+        most=0.06,
+    ),
+    Case(
+        "light in an inside-out cube",
+        lambda: seen(turned(CUBE), (medium(0.5, 0.5),), world=half_world(1.0)),
+        None,
+        SOME,
+    ),
     Case("a flat cube", lambda: seen(box((-1, -1, 0), (1, 1, 0), "flat cube")), 1.0, SOME),
     Case("a cube a float thick", lambda: seen(box((-1, -1, 0), (1, 1, 1e-38), "thin cube")), 1.0, SOME),
-    Case("two cubes that share a face",
-         lambda: seen(box((-1, -1, 0), (1, 1, 1))).add(box((-1, -1, -1), (1, 1, 0)), None, FOG), np.exp(-1.0),
-         TRACKED),
-    Case("cubes a millionth apart",
-         lambda: seen(box((-1, -1, 1e-6), (1, 1, 1))).add(box((-1, -1, -1), (1, 1, 0)), None, FOG), np.exp(-1.0),
-         TRACKED, rounding=2e-5),
+    Case(
+        "two cubes that share a face",
+        lambda: seen(box((-1, -1, 0), (1, 1, 1))).add(box((-1, -1, -1), (1, 1, 0)), None, FOG),
+        np.exp(-1.0),
+        TRACKED,
+    ),
+    Case(
+        "cubes a millionth apart",
+        lambda: seen(box((-1, -1, 1e-6), (1, 1, 1))).add(box((-1, -1, -1), (1, 1, 0)), None, FOG),
+        np.exp(-1.0),
+        TRACKED,
+        rounding=2e-5,
+    ),
     # Surfaces.
     *(
         Case(f"{n + 1} coincident floors", lambda n=n: sheets(n, diffuse(0.7)), 0.7, BOTH, quick=n == 1)
         for n in (1, 30)
     ),
-    Case("floor in a mirror of itself", lambda: sheets(1, constant_program(("glossy", 1.0, 0.0, None))), None, BOTH),
-    Case("30 coincident transparent floors", lambda: sheets(30, constant_program(("transparent", 1.0))), None, BOTH),
+    Case(
+        "floor in a mirror of itself",
+        lambda: sheets(1, constant_program(("glossy", 1.0, 0.0, None))),
+        None,
+        BOTH,
+    ),
+    Case(
+        "30 coincident transparent floors",
+        lambda: sheets(30, constant_program(("transparent", 1.0))),
+        None,
+        BOTH,
+    ),
     *(Case(f"wall of {t:g} m", lambda t=t: thin_wall(t), 0.7, BOTH) for t in (0.0, 1e-7, 1e-3)),
-    Case("shells of glass next to each other", lambda: shells(0.8, 0.8, 0.7999999), 1.0, BOTH, most=0.05,
-         rounding=1e-3),
-    Case("normals of nothing", lambda: seen(with_normals(CUBE, (0, 0, 0)), (), diffuse(0.7)), 0.7, BOTH, quick=True),
-    Case("normals that point away", lambda: seen(with_normals(CUBE, (0, 0, -1)), (), diffuse(0.7)), None, BOTH),
+    Case(
+        "shells of glass next to each other",
+        lambda: shells(0.8, 0.8, 0.7999999),
+        1.0,
+        BOTH,
+        most=0.05,
+        rounding=1e-3,
+    ),
+    Case(
+        "normals of nothing",
+        lambda: seen(with_normals(CUBE, (0, 0, 0)), (), diffuse(0.7)),
+        0.7,
+        BOTH,
+        quick=True,
+    ),
+    Case(
+        "normals that point away", lambda: seen(with_normals(CUBE, (0, 0, -1)), (), diffuse(0.7)), None, BOTH
+    ),
     Case("normals along the face", lambda: seen(with_normals(CUBE, (1, 0, 0)), (), diffuse(0.7)), None, BOTH),
     Case("normals of 1e30", lambda: seen(with_normals(CUBE, (0, 0, 1e30)), (), diffuse(0.7)), 0.7, BOTH),
     Case("normals of 1e-30", lambda: seen(with_normals(CUBE, (0, 0, 1e-30)), (), diffuse(0.7)), 0.7, BOTH),
@@ -143,11 +193,28 @@ CASES = [
         for a in (0.0, 0.5, 0.95)
     ),
     # Glowing meshes without area, next to good ones.
-    Case("glowing points and lines", lambda: floor(0.7, ()).add(
-        flat([(0, 0, 1), (1, 0, 1), (2, 0, 1)]), emission(1.0)).add(flat([(0, 0, 1)] * 3), emission(1.0)), 0.0, BOTH),
-    Case("a glowing needle", lambda: floor(0.7, ()).add(
-        flat([(-1, -1e-9, 1), (1, -1e-9, 1), (0, 1e-9, 1)]), emission(1.0)), None, BOTH),
-    Case("a glowing cube inside out",
-         lambda: block(0.2, 0.1, world=None).add(turned(CUBE), emission(1.0), (), placed(0, 0, -4)), PLAIN,
-         BOTH, samples=256, most=0.1),
+    Case(
+        "glowing points and lines",
+        lambda: (
+            floor(0.7, ())
+            .add(flat([(0, 0, 1), (1, 0, 1), (2, 0, 1)]), emission(1.0))
+            .add(flat([(0, 0, 1)] * 3), emission(1.0))
+        ),
+        0.0,
+        BOTH,
+    ),
+    Case(
+        "a glowing needle",
+        lambda: floor(0.7, ()).add(flat([(-1, -1e-9, 1), (1, -1e-9, 1), (0, 1e-9, 1)]), emission(1.0)),
+        None,
+        BOTH,
+    ),
+    Case(
+        "a glowing cube inside out",
+        lambda: block(0.2, 0.1, world=None).add(turned(CUBE), emission(1.0), (), placed(0, 0, -4)),
+        PLAIN,
+        BOTH,
+        samples=256,
+        most=0.1,
+    ),
 ]

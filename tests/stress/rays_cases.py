@@ -5,7 +5,7 @@ points on boundaries. A beam as narrow as 1e-30 m keeps every ray of the picture
 import numpy as np
 from judge import GRIDS, TRACKED, Case, Twin
 from nephele import description as d
-from stages import WHITE, centred, vdb
+from stages import WHITE, vdb
 from truth import Scene, box, diffuse, half_world, medium, orthographic, perspective, sphere
 
 NEAREST = {"interpolation": "nearest"}
@@ -34,21 +34,25 @@ def along(values, count, position, direction, sigma_s=0.0, sigma_a=0.05, world=W
     v /= np.linalg.norm(v)
     view = orthographic(p - 3 * count * v, p, size)
     if zeros:  # exactly on the line, whatever the camera's axes are rounded to
-        view = d.Camera("camera", "orthographic", view.world_from_camera.round(12), (-size, size, -size, size))
+        view = d.Camera(
+            "camera", "orthographic", view.world_from_camera.round(12), (-size, size, -size, size)
+        )
     closure = medium(sigma_s, sigma_a, density_grid="density")
     return Scene(view, world).add_volume(vdb(values), closure)
 
 
-def beside(x, size=LINE, volume=(medium(0.0, 0.5),), surface=None):
+def beside(x, size=LINE, volume=None, surface=None):
     """A ray down along a side of a cube."""
     scene = Scene(orthographic((x, 0, 5), (x, 0, 0), size), WHITE)
-    return scene.add(box((-1, -1, -1), (1, 1, 1), "cube"), surface, volume)
+    return scene.add(
+        box((-1, -1, -1), (1, 1, 1), "cube"), surface, (medium(0.0, 0.5),) if volume is None else volume
+    )
 
 
 def inside(position, sigma_a=0.5, **view):
     """A camera at `position` of a cube of fog, looking along x."""
     p = np.array(position, float)
-    scene = Scene(perspective(p, p + (1, 0, 0), 1e-6, **view), WHITE)
+    scene = Scene(perspective(p, p + np.array((1, 0, 0)), 1e-6, **view), WHITE)
     return scene.add(box((-1, -1, -1), (1, 1, 1), "cube"), None, (medium(0.0, sigma_a),))
 
 
@@ -60,20 +64,45 @@ def grazing(height):
 
 CASES = [
     *(
-        Case(f"along z at x = {x:g}, y = {y:g}", lambda x=x, y=y: along(ones, 16, (x, y, 7), (0, 0, -1)), np.exp(-0.8),
-             GRIDS, settings=NEAREST, rounding=2e-5, quick=(x, y) == (7.5, 7.5))
+        Case(
+            f"along z at x = {x:g}, y = {y:g}",
+            lambda x=x, y=y: along(ones, 16, (x, y, 7), (0, 0, -1)),
+            np.exp(-0.8),
+            GRIDS,
+            settings=NEAREST,
+            rounding=2e-5,
+            quick=(x, y) == (7.5, 7.5),
+        )
         for x, y in ((7.5, 7.5), (8, 8), (7.5, 8), (0, 0), (3.5, 14.5))
     ),
     *(
-        Case(f"along the {name} at x = {x:g}, trilinear", lambda x=x, v=v: along(ones, 16, (x, 7.5, 7.5), v), PLAIN,
-             GRIDS, rounding=2e-5, most=0.03, samples=128)
-        for name, v in (("axis", (0, 1, 0)), ("diagonal", (1, 1, 0)), ("long diagonal", (1, 1, 1)), ("axis back", (-1, 0, 0)))
+        Case(
+            f"along the {name} at x = {x:g}, trilinear",
+            lambda x=x, v=v: along(ones, 16, (x, 7.5, 7.5), v),
+            PLAIN,
+            GRIDS,
+            rounding=2e-5,
+            most=0.03,
+            samples=128,
+        )
+        for name, v in (
+            ("axis", (0, 1, 0)),
+            ("diagonal", (1, 1, 0)),
+            ("long diagonal", (1, 1, 1)),
+            ("axis back", (-1, 0, 0)),
+        )
         for x in (7.5, 8.0)
     ),
     *(
-        Case(f"between cells at x = {x:g} along {name}",
-             lambda x=x, v=v: along(blocks, 32, (x, 16, 16), v, 0.02, 0.02, UP, zeros=True), PLAIN, KDTREE, samples=256,
-             most=0.06, cpu=20)
+        Case(
+            f"between cells at x = {x:g} along {name}",
+            lambda x=x, v=v: along(blocks, 32, (x, 16, 16), v, 0.02, 0.02, UP, zeros=True),
+            PLAIN,
+            KDTREE,
+            samples=256,
+            most=0.06,
+            cpu=20,
+        )
         for x in (7.5, 8.0, 15.5, 16.0)
         for name, v in (("y", (0, 1, 0)), ("z", (0, 0, -1)), ("a diagonal", (1, 1, 0)))
     ),
@@ -88,16 +117,44 @@ CASES = [
     Case("from a face outwards", lambda: inside((1, 0.1, 0.2)), 1.0, TRACKED),
     Case("from the middle", lambda: inside((0, 0, 0)), np.exp(-0.5), TRACKED),
     Case("from a corner", lambda: inside((-1, -1, -1)), None, TRACKED),
-    Case("within the clipping range alone", lambda: inside((-3, 0, 0), clip_start=3.0, clip_end=3.5), np.exp(-0.25),
-         TRACKED),
-    Case("a clipping range of a float", lambda: inside((-3, 0, 0), 1e6, clip_start=3.0, clip_end=3.0000002), None,
-         TRACKED),
+    Case(
+        "within the clipping range alone",
+        lambda: inside((-3, 0, 0), clip_start=3.0, clip_end=3.5),
+        np.exp(-0.25),
+        TRACKED,
+    ),
+    Case(
+        "a clipping range of a float",
+        lambda: inside((-3, 0, 0), 1e6, clip_start=3.0, clip_end=3.0000002),
+        None,
+        TRACKED,
+    ),
     *(
-        Case(f"grazing from {h:g} m", lambda h=h: grazing(h), 0.7, ("default", "field"), rounding=1e-4, quick=h == 1e-2)
+        Case(
+            f"grazing from {h:g} m",
+            lambda h=h: grazing(h),
+            0.7,
+            ("default", "field"),
+            rounding=1e-4,
+            quick=h == 1e-2,
+        )
         for h in (10.0, 1e-2, 1e-4)
     ),
-    Case("grazing glass", lambda: Scene(orthographic((0, 0, 5), (0, 0, 0), 1e-6), WHITE).add(
-        sphere(1.0, 3), None, (medium(0.2, 0.0),)), 1.0, TRACKED),
-    Case("past the horizon of a sphere", lambda: Scene(orthographic((0.99999, 0, 5), (0.99999, 0, 0), 1e-4), WHITE).add(
-        sphere(1.0, 5), diffuse(1.0)), 1.0, ("default", "field"), rounding=1e-4),
+    Case(
+        "grazing glass",
+        lambda: Scene(orthographic((0, 0, 5), (0, 0, 0), 1e-6), WHITE).add(
+            sphere(1.0, 3), None, (medium(0.2, 0.0),)
+        ),
+        1.0,
+        TRACKED,
+    ),
+    Case(
+        "past the horizon of a sphere",
+        lambda: Scene(orthographic((0.99999, 0, 5), (0.99999, 0, 0), 1e-4), WHITE).add(
+            sphere(1.0, 5), diffuse(1.0)
+        ),
+        1.0,
+        ("default", "field"),
+        rounding=1e-4,
+    ),
 ]

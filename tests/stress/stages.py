@@ -87,21 +87,25 @@ def centred(count, voxel):
     return m
 
 
-def smoke(path, count, sigma_s, sigma_a=0.0, voxel=1.0, world=WHITE, beam=(0.0, 0.0), g=0.0, lights=(), **more):
+def smoke(
+    path, count, sigma_s, sigma_a=0.0, voxel=1.0, world=WHITE, beam=(0.0, 0.0), g=0.0, lights=(), **more
+):
     """A grid of count^3 voxels around the origin, seen along z by parallel rays. beam: where they pass,
     voxels from the middle."""
     extent, x, y = count * voxel, beam[0] * voxel, beam[1] * voxel
     view = orthographic((x, y, 2 * extent), (x, y, 0), 1e-3 * voxel)
     scene = Scene(view, world, lights=lights)
     return scene.add_volume(
-        path, medium(sigma_s, sigma_a, g, density_grid="density", **more), world_from_object=centred(count, voxel)
+        path,
+        medium(sigma_s, sigma_a, g, density_grid="density", **more),
+        world_from_object=centred(count, voxel),
     )
 
 
 def floor(albedo, lights, distance=1.0, world=None, size=1e-3):
     """A plane at z = 0, seen from above through its middle by parallel rays. distance: what its extent of a
     thousand and the picture's `size` are relative to."""
-    w = 1e3 * distance
+    w = 10 * distance
     plane = d.Mesh(
         "plane",
         np.array([(-w, -w, 0), (w, -w, 0), (w, w, 0), (-w, w, 0)], np.float32),
@@ -128,14 +132,28 @@ def stage(offset=(0.0, 0.0, 0.0), size=1.0, thickness=1.0, power=1.0):
 
     lights = (
         d.Light("area", "area", aimed(1, -1, 2), watts(50, 40, 30), size=(size, size)),
-        d.Light("point", "point", placed(*(o + size * np.array((-1.2, -0.5, 1)))), watts(20, 20, 30), radius=0.1 * size),
+        d.Light(
+            "point",
+            "point",
+            placed(*(o + size * np.array((-1.2, -0.5, 1)))),
+            watts(20, 20, 30),
+            radius=0.1 * size,
+        ),
         d.Light("spot", "spot", aimed(0, -2, 2), watts(60, 30, 30), radius=0.05 * size, spot_size=0.6),
-        d.Light("sun", "sun", facing((0.3, 0.2, 1), (0, 0, 0)), tuple(power * np.array((0.5, 0.4, 0.3))), angle=0.02),
+        d.Light(
+            "sun",
+            "sun",
+            facing((0.3, 0.2, 1), (0, 0, 0)),
+            tuple(power * np.array((0.5, 0.4, 0.3))),
+            angle=0.02,
+        ),
     )
     sky = half_world(power * np.array((0.3, 0.5, 1.0)), 0.1 * power)
     scene = Scene(perspective(o + size * np.array((0, -4, 0.5)), o, 0.4), sky, lights=lights)
     dense = thickness / size
-    cloud = medium(np.array((2, 3, 4)) * dense, np.array((0.5, 0.2, 0.1)) * dense, 0.5, density_grid="density")
+    cloud = medium(
+        np.array((2, 3, 4)) * dense, np.array((0.5, 0.2, 0.1)) * dense, 0.5, density_grid="density"
+    )
     scene.add_volume(ROUGH_BALL, cloud, world_from_object=at(0, 0, 0))
     scene.add(box((-3, -3, -1.4), (3, 3, -1), "floor"), diffuse((0.8, 0.6, 0.4)), (), at(0, 0, 0))
     scene.add(sphere(0.3, 2), emission(power * np.array((3.0, 2.0, 1.0))), (), at(-1, -0.6, -0.3))

@@ -29,15 +29,17 @@ TURN = matrix([(0.36, 0.48, -0.8), (-0.8, 0.6, 0.0), (0.48, 0.64, 0.6)])
 
 
 def cube(place, sigma_s=0.0, sigma_a=0.5, world=WHITE):
-    """A cube of 2 m before `place`, seen along z."""
-    scene = Scene(orthographic((0, 0, 5), (0, 0, 0)), world)
+    """A cube of 2 m before `place`, seen along z by a beam narrower than the most squeezed."""
+    scene = Scene(orthographic((0, 0, 5), (0, 0, 0), 1e-9), world)
     return scene.add(box((-1, -1, -1), (1, 1, 1), "cube"), None, (medium(sigma_s, sigma_a),), place)
 
 
 def grid(place, sigma_s=0.0, sigma_a=0.05, world=WHITE):
     scene = Scene(orthographic((0.3, 0.2, 40), (0.3, 0.2, 0)), world)
     return scene.add_volume(
-        vdb(ones), medium(sigma_s, sigma_a, density_grid="density"), world_from_object=place @ centred(16, 1.0)
+        vdb(ones),
+        medium(sigma_s, sigma_a, density_grid="density"),
+        world_from_object=place @ centred(16, 1.0),
     )
 
 
@@ -46,7 +48,7 @@ def baked(place, sigma_s, sigma_a, world):
     mesh = box((-1, -1, -1), (1, 1, 1), "cube")
     corners = mesh.positions @ place[:3, :3].T + place[:3, 3]
     triangles = mesh.triangles if np.linalg.det(place[:3, :3]) > 0 else mesh.triangles[:, ::-1].copy()
-    scene = Scene(orthographic((0, 0, 5), (0, 0, 0)), world)
+    scene = Scene(orthographic((0, 0, 5), (0, 0, 0), 1e-9), world)
     return scene.add(d.Mesh("cube", corners.astype(np.float32), triangles), None, (medium(sigma_s, sigma_a),))
 
 
@@ -92,34 +94,73 @@ def depth_of_grid(place):
     return float(np.maximum(a, b)[moves].min() - np.minimum(a, b)[moves].max())
 
 
-FAR = {"1e4 m off": (1e4, -2e4, 3e3), "1e7 m off": (1e7, -1e7, 1e7), "1e7 m off, odd": (1e7 + 0.37, 3.1, -1e7 - 0.83)}
+FAR = {
+    "1e4 m off": (1e4, -2e4, 3e3),
+    "1e7 m off": (1e7, -1e7, 1e7),
+    "1e7 m off, odd": (1e7 + 0.37, 3.1, -1e7 - 0.83),
+}
 
 CASES = [
     *(
-        Case(f"cube {name}", lambda m=m: cube(m), np.exp(-0.5 * depth_of(m)), TRACKED, rounding=2e-5,
-             quick=name == "sheared")
+        Case(
+            f"cube {name}",
+            lambda m=m: cube(m),
+            np.exp(-0.5 * depth_of(m)),
+            TRACKED,
+            rounding=2e-5,
+            quick=name == "sheared",
+        )
         for name, m in PLACES.items()
     ),
     *(
-        Case(f"grid {name}", lambda m=m: grid(m), np.exp(-0.05 * depth_of_grid(m)), TRACKED, settings=NEAREST,
-             rounding=5e-5, quick=name == "mirrored")
+        Case(
+            f"grid {name}",
+            lambda m=m: grid(m),
+            np.exp(-0.05 * depth_of_grid(m)),
+            TRACKED,
+            settings=NEAREST,
+            rounding=5e-5,
+            quick=name == "mirrored",
+        )
         for name, m in PLACES.items()
         if name != "next to singular"
     ),
     *(
-        Case(f"light in a cube {name}", lambda m=m: cube(m, 0.5, 0.1, UP), Twin(lambda m=m: baked(m, 0.5, 0.1, UP)),
-             SOME, samples=256)
+        Case(
+            f"light in a cube {name}",
+            lambda m=m: cube(m, 0.5, 0.1, UP),
+            Twin(lambda m=m: baked(m, 0.5, 0.1, UP)),
+            SOME,
+            samples=256,
+        )
         for name, m in PLACES.items()
         if "1e4" not in name and "1e3" not in name and "next" not in name
     ),
     *(
-        Case(f"stage {name}", lambda o=o: stage(o), Twin(stage), SOME, samples=128, most=0.05, rounding=2e-4, cpu=20,
-             quick=name == "1e7 m off")
+        Case(
+            f"stage {name}",
+            lambda o=o: stage(o),
+            Twin(stage),
+            SOME,
+            samples=128,
+            most=0.05,
+            rounding=2e-4,
+            cpu=20,
+            quick=name == "1e7 m off",
+        )
         for name, o in FAR.items()
     ),
     *(
-        Case(f"thin stage {name}", lambda o=o: stage(o, thickness=1e-4), Twin(lambda: stage(thickness=1e-4)), SOME, samples=128,
-             most=0.05, rounding=2e-4, cpu=20)
+        Case(
+            f"thin stage {name}",
+            lambda o=o: stage(o, thickness=1e-4),
+            Twin(lambda: stage(thickness=1e-4)),
+            SOME,
+            samples=128,
+            most=0.05,
+            rounding=2e-4,
+            cpu=20,
+        )
         for name, o in FAR.items()
     ),
     Case("grid 1e7 m off", lambda: far_grid(), np.exp(-0.8), TRACKED, settings=NEAREST, rounding=2e-5),
