@@ -28,6 +28,20 @@ def bundled(folder, name, bounces, about, reference="delta"):
 
 
 SUITES = {
+    "artists": (
+        bundled("suite", "fog_lamps", 16, "58 lamps in thin fog"),
+        bundled("suite", "jungle", 16, "leaves, instances, sun shafts in mist"),
+        bundled("suite", "lanterns", 64, "lights inside a cloud"),
+        bundled("suite", "sunset", 256, "dense cloud, albedo 0.999, forward scattering"),
+        bundled("suite", "smoke_wall", 32, "smoke before a textured wall"),
+        bundled("suite", "fire", 16, "a fire lights its surroundings"),
+        bundled("suite", "underwater", 32, "chromatic absorption, sun through a rough surface of water"),
+        bundled("suite", "planet", 16, "atmosphere made by nodes"),
+        bundled("suite", "kitchen", 24, "indirect light, steam, glass and metal"),
+        bundled("suite", "coloured_smokes", 48, "overlapping chromatic grids"),
+        bundled("suite", "empty", 12, "no volume at all"),
+        bundled("suite", "stress", 32, "ten volumes, 5.5 million triangles"),
+    ),
     "guiding": (
         bundled("guiding", "alley", 16, "wants more scattering"),
         bundled("guiding", "mist", 16, "wants more scattering"),
@@ -41,7 +55,7 @@ SUITES = {
         bundled("indirect", "window", 32, "light only from clouds and sky behind glass", "everything"),
     ),
 }
-DEFAULT = "guiding"
+DEFAULT = "artists"
 
 
 def chosen(suite, only, bounces):
