@@ -18,11 +18,11 @@ Flight fly(const Segment& segment, TrackingScratch& scratch, Flight& flight, boo
     };
     const auto next_depth = [&] { return rng.next_exponential(); };
     for_each_candidate<k>(scratch.tracks, segment.ray.t_min, 1, next_depth, gather,
-                       [&](double t, float majorant, const auto&) {
-                           if (!event(static_cast<float>(t), majorant))
-                               return false;
-                           return !flies_on_deep<k>(flight, scratch, t, analog, beta, rng, counters);
-                       });
+                          [&](double t, float majorant, const auto&) {
+                              if (!event(static_cast<float>(t), majorant))
+                                  return false;
+                              return !flies_on_deep<k>(flight, scratch, t, analog, beta, rng, counters);
+                          });
     if (!scratch.absorbers.empty())
         beta *= scratch.absorbed_to(flight.event == Flight::Event::passed ? segment.ray.t_max : flight.t);
     if (is_zero(beta))

@@ -59,7 +59,7 @@ Rgb deep_emission(const TrackingScratch& scratch, double t, float end, Rgb beta,
 /// The rest of a flight from t to the media's end; updates beta.
 template <KernelTraits k = kEverything>
 void deep_flight(Flight& flight, TrackingScratch& scratch, double t, float end, bool analog, Rgb& beta,
-                        Rng& rng, Counters& counters) {
+                 Rng& rng, Counters& counters) {
     const Coefficients c = coefficients_at<k>(scratch, static_cast<float>(t), rng, counters);
     const auto length = static_cast<float>(double{end} - t);
     const Rgb share = beta / (beta.x + beta.y + beta.z);

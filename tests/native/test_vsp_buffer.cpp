@@ -104,8 +104,8 @@ TEST(VspBuffer, CostLowersTheDearerBranch) {
     EXPECT_NEAR(buffer.guide(4, 4).volume_radiance / buffer.guide(4, 4).surface_radiance, 1 / 3.0, 0.02);
 }
 
-/// volume_weight, surface_weight: of delta tracking. Each branch keeps 2 % of the other's radiance, or half of
-/// the paths where that is less.
+/// volume_weight, surface_weight: of delta tracking. Each branch keeps 2 % of the other's radiance, or half
+/// of the paths where that is less.
 void expect_sound(const VspGuide& guide, float volume_weight, float surface_weight) {
     EXPECT_TRUE(guide.target >= kLowestVsp && guide.target <= kHighestVsp) << guide.target;
     EXPECT_TRUE(guide.volume_radiance > 0 && guide.volume_radiance < 1e6f) << guide.volume_radiance;
