@@ -23,9 +23,13 @@ struct VolumeField {
     Transform index_from_world;
 
     bool is_vector() const { return components[1] != nullptr; }
-    /// The filter's value at a point of the world.
+    /// The filter's value at a point of the world; programs may ask for one that is nowhere, or infinitely
+    /// far: there is the background.
     Vec3f value(Vec3f p_world) const {
-        const Vec3f p = index_from_world.point(p_world);
+        constexpr float kBeyond = 1e30f;
+        Vec3f p = index_from_world.point(p_world);
+        if (!is_finite(p))
+            p = Vec3f(kBeyond);
         const float x = components[0]->evaluate(filter, p);
         return is_vector() ? Vec3f(x, components[1]->evaluate(filter, p), components[2]->evaluate(filter, p))
                            : Vec3f(x);

@@ -64,7 +64,8 @@ Rgb add_coat(const Principled& p, Rgb weight, Bsdf* bsdf) {
         return beneath;
     const float depth = path_through_coat(mu, ior);
     const Rgb absorbed(std::pow(tint.x, depth), std::pow(tint.y, depth), std::pow(tint.z, depth));
-    return beneath * lerp(Rgb(1), absorbed, amount);
+    constexpr float kMost = 1e6f;  // of tints above 1, which grow without bound towards grazing angles
+    return beneath * lerp(Rgb(1), min(absorbed, Rgb(kMost)), amount);
 }
 
 Rgb add_metal(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {

@@ -259,6 +259,20 @@ TEST(ProgramBounds, KnowWhereARampIsDark) {
     EXPECT_NEAR(highest(0.25f, 7), 1, 1e-5);
 }
 
+TEST(ProgramBounds, AGridInfinitelyFarIsItsBackground) {
+    Volume volume;
+    Random random(5);
+    volume.set_point(Vec3f(0), random);
+    Program program;
+    program.code = {{static_cast<std::int32_t>(Op::grid), 0, 0, 0, 0, 0, 0, 0}};
+    for (const Vec3f place : {Vec3f(0, -kInfinity, 0), Vec3f(NAN), Vec3f(3e38f)}) {
+        program.registers = {place};
+        Vec3f value;
+        run(program, volume.point, volume.context, &value);
+        EXPECT_EQ(value, Vec3f(0)) << place.y;
+    }
+}
+
 TEST(ProgramBounds, NaNCountsAsZeroInClosures) {
     const Interval3 open({1, kInfinity}, {2, 3, true}, {-4, -1});
     const Interval3 v = non_negative(open);
