@@ -46,11 +46,11 @@ def without_volumes(scene):
 
 
 def flame():
-    """Returns a glowing ball of a grid: one medium that emits."""
+    """Returns glowing smoke in a ball: one medium that emits."""
     lamp = d.Light("lamp", "area", truth.facing((1, -1, 3), (0, 0, 0)), (50.0, 40.0, 30.0))
     scene = truth.Scene(truth.perspective((0, -4, 0.5), (0, 0, 0), 0.4), lights=(lamp,))
-    closure = d.VolumeClosure((2, 2, 2), (0.5, 0.5, 0.5), (0.2, 0.1, 0.05), density_grid="density")
-    scene.add_volume(truth.ROUGH_BALL, closure)
+    closure = d.VolumeClosure((2, 2, 2), (0.5, 0.5, 0.5), (0.2, 0.1, 0.05))
+    scene.add(truth.sphere(0.9, 3), None, (closure,))
     scene.add(truth.box((-3, -3, -1.4), (3, 3, -1)), truth.diffuse((0.8, 0.6, 0.4)))
     return scene.description(RESOLUTION)
 

@@ -34,8 +34,8 @@ class KeptImage:
 def kept_image(image, user, block, context):
     """Returns the description.Image of Blender's `image`; magenta where it cannot be read.
 
-    user: text naming the node that uses it, for warnings. block: the material or world of that node. What the last export read is taken over where it is
-    known to be the same, or found to be.
+    user: text naming the node that uses it, for warnings. block: the material or world of that node. What the
+    last export read is taken over where it is known to be the same, or found to be.
     """
     cache = context.cache
     key, stamp = uid(image) or image.name_full, _stamp(image)

@@ -347,16 +347,19 @@ Workspace::~Workspace() = default;
 
 namespace {
 
-/// The sets of traits that there is a kernel for, each with and without learning. What a scene has beyond one
-/// of them is rendered by the last, which has everything.
+// The sets of traits that there is a kernel for, each with and without learning. Programs and chromatic media
+// cost the others less than 0.3 % (docs/performance.md), and are always in.
 constexpr KernelTraits kSurfaces{.media = false,
                                  .overlap = false,
                                  .emission = false,
                                  .programs = false,
                                  .chromatic = false,
                                  .learning = false};
-constexpr KernelTraits kOneMedium{.overlap = false, .emission = false, .programs = false, .learning = false};
-constexpr KernelTraits kAnyMedia{.learning = false};
+constexpr KernelTraits media_traits(bool overlap, bool emission) {
+    return {.overlap = overlap && compiled::overlap,
+            .emission = emission && compiled::volume_emission,
+            .learning = false};
+}
 
 template <KernelTraits k>
 Kernel kernel(bool learning) {
@@ -371,9 +374,11 @@ Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bo
         return {sample_plain, std::nullopt};
     if (!features.media)
         return kernel<kSurfaces>(learning);
-    if (!features.overlap && !features.volume_emission && !features.programs)
-        return kernel<kOneMedium>(learning);
-    return kernel<kAnyMedia>(learning);
+    if (features.overlap)
+        return features.volume_emission ? kernel<media_traits(true, true)>(learning)
+                                        : kernel<media_traits(true, false)>(learning);
+    return features.volume_emission ? kernel<media_traits(false, true)>(learning)
+                                    : kernel<media_traits(false, false)>(learning);
 }
 
 std::vector<std::string> Kernel::list() const {
@@ -386,7 +391,6 @@ std::vector<std::string> Kernel::list() const {
     };
     add(traits->media, traits->overlap ? "overlapping media" : "one medium");
     add(traits->media && traits->emission, "volume emission");
-    add(traits->media && traits->programs, "volume programs");
     add(traits->learning, "learning");
     return names;
 }

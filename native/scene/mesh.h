@@ -40,17 +40,22 @@ struct Mesh {
         return moving(motion_positions, positions.size(), 3 * vertex_number(triangle, corner), time);
     }
     /// A corner's normal, where it has one.
+    Vec3f corner_normal(std::uint32_t triangle, int corner) const {
+        return at(corner_normals, normal_number(triangle, corner));
+    }
     Vec3f corner_normal(std::uint32_t triangle, int corner, float time) const {
-        const std::size_t i = 9 * std::size_t{triangle} + 3 * static_cast<std::size_t>(corner);
-        return !compiled::motion || motion_normals.empty()
-                   ? at(corner_normals, i)
-                   : moving(motion_normals, corner_normals.size(), i, time);
+        if (!compiled::motion || motion_normals.empty())
+            return corner_normal(triangle, corner);
+        return moving(motion_normals, corner_normals.size(), normal_number(triangle, corner), time);
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];
     }
 
   private:
+    static std::size_t normal_number(std::uint32_t triangle, int corner) {
+        return 9 * std::size_t{triangle} + 3 * static_cast<std::size_t>(corner);
+    }
     std::size_t vertex_number(std::uint32_t triangle, int corner) const {
         return static_cast<std::size_t>(
             triangles[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]);

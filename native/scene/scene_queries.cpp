@@ -136,20 +136,23 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
     }
 }
 
-ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t ray_kind) const {
-    const Instance& instance = source_.instances[hit.instance];
-    const Mesh& mesh = source_.meshes[instance.mesh];
+namespace {
+
+/// kMoves: whether anything of the scene may move.
+template <bool kMoves>
+ShadingPoint point_on(const Instance& instance, const Mesh& mesh, const Hit& hit, const Ray& ray) {
     ShadingPoint point;
     point.instance = &instance;
     point.mesh = &mesh;
     point.triangle = hit.triangle;
     point.outside_ior = hit.outside_ior;
     point.wo = -ray.d;
-    point.ray_kind = ray_kind;
     point.time = ray.time;
     point.barycentric = {1 - hit.u - hit.v, hit.u, hit.v};
-    const Vec3f a = mesh.vertex(hit.triangle, 0, ray.time), b = mesh.vertex(hit.triangle, 1, ray.time),
-                c = mesh.vertex(hit.triangle, 2, ray.time);
+    const auto vertex = [&](int corner) {
+        return kMoves ? mesh.vertex(hit.triangle, corner, ray.time) : mesh.vertex(hit.triangle, corner);
+    };
+    const Vec3f a = vertex(0), b = vertex(1), c = vertex(2);
     const Vec3f& w = point.barycentric;
     point.object_p = a * w.x + b * w.y + c * w.z;
     const auto place = [&](const Transform& world_from_object) {
@@ -161,7 +164,7 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
     };
     const Transform* object_from_world = &instance.object_from_world;
     Transform moved;
-    if (instance.motion.moves()) {
+    if (kMoves && instance.motion.moves()) {
         const Transform world_from_object = instance.motion.at(ray.time);
         moved = inverse_of(world_from_object);
         object_from_world = &moved;
@@ -175,7 +178,10 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
     point.ng = world_normal(cross(b - a, c - a));
     point.ns = point.ng;
     if (!mesh.corner_normals.empty()) {
-        const auto normal = [&](int corner) { return mesh.corner_normal(hit.triangle, corner, ray.time); };
+        const auto normal = [&](int corner) {
+            return kMoves ? mesh.corner_normal(hit.triangle, corner, ray.time)
+                          : mesh.corner_normal(hit.triangle, corner);
+        };
         const Vec3f smooth = normal(0) * w.x + normal(1) * w.y + normal(2) * w.z;
         const float largest = max_component(max(smooth, -smooth));
         if (largest > 0)  // of length 1 or so, whatever it came as: its square has to be a float
@@ -186,6 +192,17 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
         point.ng = -point.ng;
         point.ns = -point.ns;
     }
+    return point;
+}
+
+}  // namespace
+
+ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t ray_kind) const {
+    const Instance& instance = source_.instances[hit.instance];
+    const Mesh& mesh = source_.meshes[instance.mesh];
+    ShadingPoint point = compiled::motion && features_.motion ? point_on<true>(instance, mesh, hit, ray)
+                                                              : point_on<false>(instance, mesh, hit, ray);
+    point.ray_kind = ray_kind;
     return point;
 }
 

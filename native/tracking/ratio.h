@@ -22,7 +22,7 @@ bool survives_roulette(Transmittance& T, Rng& rng) {
     const float survive = largest / kThreshold;
     if (!rng.chance(survive))
         return false;
-    T /= survive;
+    T *= 1 / survive;
     return true;
 }
 

@@ -61,7 +61,7 @@ def ball(closures=None, **more):
         (
             small_world,
             {},
-            ["surfaces", "overlapping media", "volume emission", "volume programs", "learning"],
+            ["surfaces", "overlapping media", "volume emission", "learning"],
         ),
         (small_world, {"integrator": "plain"}, ["everything, plainly"]),
     ],
@@ -74,8 +74,14 @@ def test_the_kernel_is_the_smallest_that_does(make, settings, kernel):
 
 
 def test_an_emissive_medium_takes_the_kernel_with_emission():
-    glowing = d.VolumeClosure((2, 2, 2), emission=(0.1, 0.1, 0.1), density_grid="density")
-    assert "volume emission" in told(ball((glowing,)), **PLAIN)["kernel"]
+    glowing = d.VolumeClosure((2, 2, 2), emission=(0.1, 0.1, 0.1))
+    scene = room().add(box((-1, -1, 0), (1, 1, 1)), None, (glowing,))
+    assert told(scene, **PLAIN)["kernel"] == ["surfaces", "one medium", "volume emission"]
+
+
+def test_media_that_overlap_without_glowing_take_no_kernel_with_emission():
+    scene = ball().add(box((-1, -1, 0), (1, 1, 1)), None, (d.VolumeClosure((2, 2, 2)),))
+    assert told(scene, **PLAIN)["kernel"] == ["surfaces", "overlapping media"]
 
 
 def test_the_boundary_of_a_volume_is_no_hidden_surface():
