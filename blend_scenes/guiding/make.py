@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Six small scenes to measure the guiding of the volume scattering probability (VSP): `nephele bench guiding`.
+"""Six small scenes to measure the guiding of the volume scattering probability: `nephele bench guiding`.
 
     alley         thin fog before lit surfaces: delta tracking scatters too seldom in it
     mist          thin patchy mist before dark surfaces, shafts of sun: too seldom as well
