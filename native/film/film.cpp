@@ -169,7 +169,8 @@ double Film::variance(PassId pass, std::size_t pixel, std::size_t channel) const
         return n > 1 ? spread / (n - 1) : 0;
     // Sum of the squared shares: 1 / n of equal weights. Of the spread about the mean, that much is missing.
     const double shares = seen(squared_weights_[pixel]) / (n * n);
-    return seen(taken_[pixel]) > 1 ? spread * shares / (1 - shares) : 0;
+    // Where a sample is just being added, its parts may not fit each other yet.
+    return seen(taken_[pixel]) > 1 && shares < 1 ? spread * shares / (1 - shares) : 0;
 }
 
 std::vector<float> Film::variance(PassId pass) const {
