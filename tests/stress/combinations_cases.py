@@ -31,7 +31,7 @@ def far_sheared_smoke(offset, sigma_t, voxel):
     above, aim = np.array((0.02, 0.2, 40)) * voxel, np.array((0.02, 0.2, 0)) * voxel
     view = orthographic(o + above, o + aim, 1e-3 * voxel)
     closure = medium(0.0, sigma_t, density_grid="density")
-    return Scene(view, WHITE).add_volume(vdb(ones, voxel), closure, world_from_object=place)
+    return Scene(view, WHITE).add_volume(vdb(ones), closure, world_from_object=place)
 
 
 def planet():
@@ -67,9 +67,7 @@ def spike_in_balance(voxel):
     closure = medium(4e-6 / voxel, 1e-6 / voxel, 0.5, density_grid="density")
     shining = d.VolumeClosure(emission=(1e-6 / voxel,) * 3, emission_grid="density")
     view = orthographic((4.5 * voxel, 4.5 * voxel, 40 * voxel), (4.5 * voxel, 4.5 * voxel, 0), 1e-3 * voxel)
-    return Scene(view, WHITE).add_volume(
-        vdb(spike, voxel), closure, shining, world_from_object=centred(16, voxel)
-    )
+    return Scene(view, WHITE).add_volume(vdb(spike), closure, shining, world_from_object=centred(16, voxel))
 
 
 def glass_in_dense_fog(size):

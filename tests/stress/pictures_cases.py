@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of one pixel and of very many in a row, paths of one bounce and of a million."""
+"""Pictures of one pixel and of very many in a row, paths of one bounce and of thousands."""
 
 import numpy as np
 from judge import ANALOG, Case, Twin
@@ -10,17 +10,16 @@ from truth import half_world
 PLAIN = Twin(settings={"integrator": "plain"})
 UP = half_world(1.0)
 EVERY_PASS = tuple(row.name for row in passes.PASSES)
-THREE_ALIKE = (1.0, 1.2, 1.5)
 
 
 def bounces(n):
     return {"max_bounces": n, "surface_bounces": n, "volume_bounces": n}
 
 
-def deep_white(depth):
+def deep_white(sigma_s, depth):
     """A white cube of so many mean free paths to its sides, seen from its middle: a path scatters about
     0.67 depth^2 times on its way out."""
-    scene = block(THREE_ALIKE, 0.0, depth)
+    scene = block(sigma_s, 0.0, depth)
     camera = scene.camera.world_from_camera.copy()
     camera[:3, 3] = 0
     object.__setattr__(scene.camera, "world_from_camera", camera)
@@ -37,7 +36,7 @@ CASES = [
         Twin(settings=ANALOG),
         ("default", "field"),
         size=(16384, 4),
-        samples=16,
+        samples=8,
         cpu=60,
     ),
     Case(
@@ -56,7 +55,7 @@ CASES = [
         Twin(settings=ANALOG),
         ("default", "field"),
         size=(4, 16384),
-        samples=16,
+        samples=8,
         cpu=60,
     ),
     Case("every pass of 1e20 W", lambda: stage(power=1e20), None, ("default", "field"), passes=EVERY_PASS),
@@ -85,28 +84,35 @@ CASES = [
     Case(
         "no bounces at all", lambda: block(0.0, 0.5), np.exp(-1.0), ("default", "field"), settings=bounces(0)
     ),
-    # Energy is kept over 1e5 events a path.
+    # Energy is kept: 400 events a path, 6e6 in all.
     Case(
-        "white furnace of 1e5 events",
-        lambda: deep_white(390.0),
+        "white furnace of 6e6 events",
+        lambda: deep_white((1.0, 1.0, 1.0), 25.0),
         1.0,
-        ("default", "delta"),
-        size=4,
-        samples=4,
-        settings=bounces(10**7),
-        rounding=1e-4,
-        most=0.05,
-        cpu=120,
+        ("default", "delta", "exact", "field"),
+        size=8,
+        samples=256,
+        rounding=2e-5,
+        most=0.01,
+        cpu=60,
     ),
     Case(
-        "balance of 1e4 events",
-        lambda: balanced(1.0, 1e-5, half=120.0),
+        "white furnace of three colours",
+        lambda: deep_white((1.0, 1.2, 1.5), 10.0),
         1.0,
-        ("default", "field"),
+        ("default", "delta", "exact", "field"),
+        size=8,
+        samples=64,
+        most=0.2,
+        cpu=60,
+    ),
+    Case(
+        "balance of albedo 0.995",
+        lambda: balanced(1.0, 0.005, half=50.0),
+        1.0,
+        ("default", "delta", "field"),
         samples=16,
-        settings=bounces(10**6),
         most=0.05,
-        rounding=1e-4,
         cpu=60,
     ),
 ]

@@ -81,8 +81,9 @@ def _folder_files():
 
 
 def centred(count, voxel):
-    """Returns the matrix that brings `count`^3 voxels from index (0, 0, 0) on around the origin."""
-    m = np.eye(4)
+    """Returns the matrix that brings `count`^3 voxels of 1 m, from index (0, 0, 0) on, around the origin and
+    to another size."""
+    m = np.diag([voxel, voxel, voxel, 1.0])
     m[:3, 3] = -0.5 * voxel * (count - 1)
     return m
 
