@@ -30,7 +30,7 @@ def rows():
                 yield pytest.param(case, way, marks=marks, id=f"{table}-{case.name}-{way}".replace("\n", " "))
 
 
-@pytest.mark.parametrize(("case", "way"), rows())
+@pytest.mark.parametrize(("case", "way"), list(rows()))
 def test_extreme(case, way, record_property):
     if isinstance(case, Case):
         judge(case, way, record_property)
