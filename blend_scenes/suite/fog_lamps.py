@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A funfair at night in thin fog (extinction 0.02 per metre, albedo 0.95, g = 0.6): 58 coloured lamps, half
-of them mere points, on a big wheel, over booths and along a path."""
+"""A funfair at night in thin fog (extinction 0.02 per metre, albedo 0.95, g = 0.6): 58 coloured lamps, 25 of
+them mere points, on a big wheel, over booths and along a path."""
 
 import common
 import numpy as np

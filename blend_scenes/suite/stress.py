@@ -20,12 +20,12 @@ CLOUDS = (  # file, x, y, z, turn, scale, extinction per unit
     ("cloud", -12.5, 20.0, 2.0, 5.0, 1.6, 3.0),
     ("cloud", 12.5, 22.0, 2.2, 3.6, 1.6, 3.0),
     ("cloud", 4.4, 6.0, 1.3, 0.9, 0.45, 7.0),
-    ("mist", -1.0, 7.0, 0.1, 0.2, 0.6, 0.30),
-    ("mist", 2.6, 12.5, 0.2, 1.5, 0.8, 0.22),
-    ("mist", -6.6, 16.5, 0.3, 1.1, 0.9, 0.20),
-    ("mist", 7.0, 5.8, 0.0, 0.7, 0.5, 0.35),
+    ("sea", -2.6, 7.5, 0.0, 0.2, 0.50, 1.2),
+    ("sea", 3.2, 12.5, 0.1, 1.5, 0.60, 1.0),
+    ("sea", -7.0, 15.5, 0.2, 1.1, 0.60, 1.0),
+    ("sea", 7.5, 6.5, 0.0, 0.7, 0.40, 1.4),
 )
-FILES = {"cloud": "//../cloud/cloud.vdb", "mist": "//../guiding/mist.vdb"}
+FILES = {"cloud": "//../cloud/cloud.vdb", "sea": "//sunset.vdb"}
 
 
 def rock():
@@ -65,6 +65,6 @@ def build():
         vapour = cloud(f"Vapour {i + 1}", (0.995, 0.995, 0.995), density, 0.7)
         volume = common.add_volume(f"Cloud {i + 1}", FILES[file], vapour, (x, y, z))
         volume.rotation_euler = (0, 0, turn)
-        wide, tall = (1.0, 0.4) if file == "mist" else (1.5, 0.6)
+        wide, tall = (1.0, 0.5) if file == "sea" else (1.5, 0.6)
         volume.scale = (wide * scale, scale, tall * scale)
     common.add_camera((-1.5, -4.8, 3.9), (0.5, 9.0, 1.7), 27.0)
