@@ -136,6 +136,7 @@ def opcodes_header(opcodes):
         "/// Kinds of rays, in the order of RayKind's bits (base/surface.h).",
         f"inline constexpr int kRayKindCount = {len(opcodes.RAY_KINDS)};",
         name_array("kRayKindNames", opcodes.RAY_KINDS),
+        f"inline constexpr int kRayHistoryCount = {len(opcodes.RAY_HISTORY)};",
         "",
         "/// Phase functions; the meaning of their parameters: addon/opcodes.py.",
         *enumeration("enum class PhaseKind : int", opcodes.PHASES),

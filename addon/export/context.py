@@ -22,7 +22,8 @@ class Context:
         self.images = []  # description.Image by number
         self._uv_numbers = {"": 0}  # UV map name -> number; "" is a mesh's active one
         self._attribute_numbers = {}
-        self._image_numbers = {}
+        self._property_numbers = {}  # key of properties.py -> number
+        self._image_numbers = {}  # key of an ImageUse -> number
         self._known_materials = {}  # (name, grids) -> (number, UV maps, attributes)
 
     def warn(self, text):
@@ -36,13 +37,21 @@ class Context:
     def attribute_number(self, name):
         return self._attribute_numbers.setdefault(name, len(self._attribute_numbers))
 
-    def image_number(self, image, user):
-        """Returns the number of Blender's `image`; a magenta one, with a warning naming `user`, if it cannot
+    def property_number(self, key):
+        return self._property_numbers.setdefault(key, len(self._property_numbers))
+
+    @property
+    def property_keys(self):
+        """Keys of the objects' properties that programs read, by number."""
+        return tuple(self._property_numbers)
+
+    def image_number(self, use, user):
+        """Returns the number of an images.ImageUse; of a magenta image, with a warning naming `user`, if it cannot
         be read."""
-        if image.name_full not in self._image_numbers:
-            self._image_numbers[image.name_full] = len(self.images)
-            self.images.append(read_image(image, user, self.warn))
-        return self._image_numbers[image.name_full]
+        if use.key not in self._image_numbers:
+            self._image_numbers[use.key] = len(self.images)
+            self.images.append(read_image(use, user, self.warn))
+        return self._image_numbers[use.key]
 
     def material_number(self, material, grids=None):
         """Returns (number, UV maps, attributes) of Blender's `material`; -1 for None.

@@ -1,13 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's images as description.Image: bytes as stored, floats scene-linear, straight alpha, bottom row
-first."""
+"""Blender's images as description.Image: bytes as stored, floats scene-linear, bottom row first."""
 
+import re
+import tempfile
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
 import numpy as np
+import OpenEXR
 
 from ..description import Image
 
 ENCODED = {"sRGB"}  # colour spaces that the native side decodes
 AS_STORED = {"Non-Color", "Raw", "Linear Rec.709", "Linear", "data"}
+UNRELATED = {"CHANNEL_PACKED", "NONE"}  # alpha modes where alpha is no coverage
+
+
+@dataclass(frozen=True)
+class ImageUse:
+    """How a node reads an image. associated: colours come multiplied by alpha, as Cycles has them where no node reads
+    alpha. frame: number in the file names of a sequence; tile: UDIM number; None where the image has none."""
+
+    image: Any
+    associated: bool = False
+    frame: int | None = None
+    tile: int | None = None
+
+    @property
+    def key(self):
+        return self.image.name_full, self.associated, self.frame, self.tile
 
 
 def magenta(name):
@@ -15,32 +39,133 @@ def magenta(name):
     return Image(name, np.array((((1.0, 0.0, 1.0, 1.0),),), np.float32))
 
 
-def read_image(image, user, warn):
-    """Returns the description.Image of Blender's `image`; magenta where it cannot be read.
+def tile_numbers(image):
+    """Returns the UDIM numbers of a tiled image, else (None,)."""
+    return tuple(tile.number for tile in image.tiles) if image.source == "TILED" else (None,)
+
+
+def sequence_frame(image, user, frame):
+    """Returns the number of the file that an image sequence shows at the scene's `frame`; None for other images.
+
+    user: Blender's ImageUser of the node."""
+    if image.source != "SEQUENCE":
+        return None
+    count = max(user.frame_duration, 1)
+    shown = frame - user.frame_start + 1
+    if user.use_cyclic:
+        shown = (shown - 1) % count + 1
+    return min(max(shown, 1), count) + user.frame_offset
+
+
+def read_image(use, user, warn):
+    """Returns the description.Image of an ImageUse; magenta where it cannot be read.
 
     user: text naming the node that uses it. warn: function that takes a sentence.
     """
-    if image.source in ("SEQUENCE", "MOVIE"):
-        warn(
-            f"{user}: image '{image.name}' is a {image.source.lower()}; only the frame that Blender "
-            "holds is used"
-        )
-    if image.source == "TILED":
-        warn(f"{user}: image '{image.name}' has UDIM tiles; only the first is used")
+    image = use.image
+    if image.source == "MOVIE":
+        warn(f"{user}: image '{image.name}' is a movie; only the frame that Blender holds is used")
+    with _file_of(use) as opened:
+        pixels = None if opened is None else _stored(opened)
+        if pixels is None:
+            path = image.filepath or "no file"
+            warn(f"{user}: image '{image.name}' ({path}{_part(use)}) cannot be read; magenta is used")
+            return magenta(image.name)
+        return _described(pixels, opened, image, use.associated)
+
+
+def _part(use):
+    return f", tile {use.tile}" if use.tile is not None else f", frame {use.frame}" if use.frame is not None else ""
+
+
+@contextmanager
+def _file_of(use):
+    """Gives Blender's image of the one file that is used, or None where there is none."""
+    image = use.image
+    if use.tile is None and use.frame is None:
+        yield image
+        return
+    opened = _open_packed(image, use.tile) if use.tile is not None else None
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    path = _tile_path(path, use.tile) if use.tile is not None else numbered_path(path, use.frame)
+    if opened is None and Path(path).is_file():
+        opened = bpy.data.images.load(path)
+    if opened is not None:
+        opened.colorspace_settings.name = image.colorspace_settings.name
+        opened.alpha_mode = image.alpha_mode
+    try:
+        yield opened
+    finally:
+        if opened is not None:
+            bpy.data.images.remove(opened)
+
+
+def _tile_path(path, tile):
+    column, row = (tile - 1001) % 10 + 1, (tile - 1001) // 10 + 1
+    return path.replace("<UDIM>", str(tile)).replace("<UVTILE>", f"u{column}_v{row}")
+
+
+def _open_packed(image, tile):
+    """Returns an image of a tile that is packed into the .blend, or None."""
+    for packed in image.packed_files:
+        if packed.packed_file is not None and str(tile) in Path(packed.filepath).name:
+            opened = bpy.data.images.new("tile", 1, 1)
+            opened.pack(data=packed.packed_file.data, data_len=packed.packed_file.size)
+            opened.source = "FILE"
+            return opened
+    return None
+
+
+def numbered_path(path, frame):
+    """Returns the path of a sequence's file of that number: the last digits of its name are replaced."""
+    folder, name = Path(path).parent, Path(path).name
+    stem, suffix = Path(name).stem, Path(name).suffix
+    found = list(re.finditer(r"\d+", stem))
+    if not found:
+        return path
+    start, end = found[-1].span()
+    return str(folder / f"{stem[:start]}{frame:0{end - start}d}{stem[end:]}{suffix}")
+
+
+def _stored(image):
+    """Returns the (h, w, 4) float32 pixels that Blender holds, or None where it cannot read the file."""
     width, height = image.size  # reads the file
     channels = image.channels
     if width * height == 0 or channels == 0 or len(image.pixels) != width * height * channels:
-        warn(f"{user}: image '{image.name}' ({image.filepath or 'no file'}) cannot be read; magenta is used")
-        return magenta(image.name)
+        return None
     stored = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(stored)
-    pixels = _four_channels(stored.reshape(height, width, channels))
-    space = image.colorspace_settings.name
-    if image.is_float:  # Blender has converted it to scene-linear
-        return Image(image.name, _straight(pixels, image))
+    return _four_channels(stored.reshape(height, width, channels))
+
+
+def _described(pixels, opened, image, associated):
+    space = opened.colorspace_settings.name
+    coverage = image.alpha_mode not in UNRELATED and space not in ("Non-Color", "Raw", "data")
+    if image.alpha_mode == "NONE":
+        pixels[..., 3] = 1.0
+    if opened.is_float:  # Blender has converted it to scene-linear, multiplied by alpha
+        return Image(image.name, pixels if associated or not coverage else _straight(pixels))
+    if associated and coverage:
+        pixels[..., :3] *= pixels[..., 3:]
     if space not in ENCODED | AS_STORED:
-        warn(f"{user}: colour space '{space}' of image '{image.name}' is not supported; sRGB is assumed")
+        return Image(image.name, _linear(pixels, space))
     return Image(image.name, np.rint(pixels * 255).astype(np.uint8), srgb=space not in AS_STORED)
+
+
+def _linear(pixels, space):
+    """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it converts what it
+    reads."""
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder, "stored.exr"))
+        OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels[::-1])}).write(path)
+        image = bpy.data.images.load(path)
+        try:
+            image.alpha_mode = "CHANNEL_PACKED"
+            image.colorspace_settings.name = space
+            return _stored(image)
+        finally:
+            bpy.data.images.remove(image)
 
 
 def _four_channels(pixels):
@@ -56,11 +181,8 @@ def _four_channels(pixels):
     return result
 
 
-def _straight(pixels, image):
-    """Undoes premultiplication: Blender keeps float images premultiplied unless told that the channels are
-    unrelated."""
-    if image.alpha_mode in ("CHANNEL_PACKED", "NONE") or np.all(pixels[..., 3] == 1):
-        return pixels
+def _straight(pixels):
+    """Undoes premultiplication."""
     alpha = pixels[..., 3:]
     pixels[..., :3] = np.divide(pixels[..., :3], alpha, out=pixels[..., :3].copy(), where=alpha > 0)
     return pixels

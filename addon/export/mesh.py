@@ -8,6 +8,8 @@ uses them appears, and numbered for the whole scene (programs are shared between
 import numpy as np
 
 from .. import description
+from .mesh_shape import island_random, pointiness
+from .properties import ISLAND_RANDOM, POINTINESS
 
 # (data type of an attribute, RNA property, components)
 ATTRIBUTE_READERS = {
@@ -90,6 +92,9 @@ class MeshRecord:
                     self._uvs[number] = read(layer.uv, "vector", 2)[self._corners]
         for name, number in attributes.items():
             if number not in self._attributes:
+                if name in (POINTINESS, ISLAND_RANDOM):
+                    self._attributes[number] = self._read_shape(name)
+                    continue
                 attribute = self._mesh.attributes.get(name) if name else self._active_color()
                 if attribute is not None:
                     self._attributes[number] = self._read_attribute(attribute)
@@ -103,6 +108,17 @@ class MeshRecord:
         colors = self._mesh.color_attributes
         index = colors.render_color_index
         return colors[index] if 0 <= index < len(colors) else None
+
+    def _read_shape(self, name):
+        """Returns (T, 3, 4) of an attribute that follows from the mesh's shape."""
+        edges = read(self._mesh.edges, "vertices", 2, np.int32)
+        if name == POINTINESS:
+            values = pointiness(self.positions, read(self._mesh.vertex_normals, "vector", 3), edges)
+        else:
+            values = island_random(len(self.positions), edges)
+        rgba = np.ones((len(values), 4), np.float32)
+        rgba[:, :3] = values[:, None]
+        return rgba[self.triangles]
 
     def _read_attribute(self, attribute):
         """Returns (T, 3, 4) float32: numbers repeated over RGB, vectors padded with 0, alpha 1 where

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects: walks the depsgraph's instances and sorts them into meshes, lights and volumes."""
 
+from dataclasses import replace
+
 from .. import description
 from .fluids import export_fluid, fluid_domain
 from .hash import random_number
@@ -8,6 +10,7 @@ from .lights import export_light
 from .mesh import MeshRecord
 from .moving import Tracks
 from .nodes_input import ray_bits
+from .properties import read_properties
 from .space import matrix4
 from .volumes import export_volume
 
@@ -36,6 +39,7 @@ class Objects:
     def __init__(self, context):
         self._context = context
         self._records = {}  # key of evaluated data -> (number, MeshRecord) or None where it has no faces
+        self._place, self._places = 0, []  # among the depsgraph's instances: of the one read, of self.instances
         self._made = []  # objects whose to_mesh() results are still in use
         self._converted = set()  # objects whose mesh Blender lists by itself
         self._checked = set()  # objects already searched for unsupported features
@@ -52,11 +56,12 @@ class Objects:
             and instance.object.type == "MESH"
             and instance.instance_object is not None
         }
-        for instance in instances:
+        for self._place, instance in enumerate(instances):
             if instance.show_self and not instance.object.hide_render:
                 self._add(instance)
         found = [entry for entry in self._records.values() if entry is not None]
         self.meshes = tuple(record.finish() for _, record in found)
+        self._read_properties(instances)
         for item in self._made:
             item.to_mesh_clear()
 
@@ -82,6 +87,17 @@ class Objects:
             self._context.warn(
                 f"object '{item.name}': objects of type {item.type.title()} are not supported; left out"
             )
+
+    def _read_properties(self, instances):
+        """Gives instances what shaders read of their objects: which properties those are is known only now."""
+        if not self._context.property_keys:
+            return
+        places = {place: number for number, place in enumerate(self._places)}
+        for place, instance in enumerate(instances):
+            if place in places:
+                number = places[place]
+                values = read_properties(self._context, instance)
+                self.instances[number] = replace(self.instances[number], properties=values)
 
     def _is_converted(self, instance):
         """True for a curve or the like whose mesh Blender lists as an instance of its own (not for metaballs
@@ -109,6 +125,7 @@ class Objects:
             materials.append(index)
         item = instance.object
         self.tracks.add("instance", len(self.instances), instance, record=record, mesh=number)
+        self._places.append(self._place)
         self.instances.append(
             description.Instance(
                 name=item.name,

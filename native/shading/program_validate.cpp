@@ -3,7 +3,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "shading/procedural.h"
 #include "shading/program.h"
+#include "shading/shading_inputs.h"
 
 namespace nephele {
 namespace {
@@ -26,6 +28,9 @@ long long largest_mode(Op op) {
         case Op::uv:
         case Op::attribute:
         case Op::attribute_alpha:
+        case Op::object_attribute:
+        case Op::object_attribute_alpha:
+        case Op::uv_tangent:
         case Op::normal_map:
         case Op::grid:
             return 0xffff;  // a number of the mesh's or the volume's; absent ones read as 0
@@ -35,20 +40,32 @@ long long largest_mode(Op op) {
         case Op::image_alpha:
         case Op::environment:
         case Op::environment_mirror_ball:
-            return 7;
+            return 11 | 3 << 2;
         case Op::noise:
-            return 11;
+            return kLargestNoiseMode;
+        case Op::voronoi:
+            return kLargestVoronoiMode;
+        case Op::white_noise:
+            return 7;
+        case Op::gabor:
+            return 6;
         case Op::gradient:
             return 6;
         case Op::ramp:
         case Op::ramp_alpha:
             return 1 << 20;
+        case Op::ray_history:
+            return kRayHistoryCount - 1;
+        case Op::convert_space:
+            return 2 << 4 | 2 << 2 | 2;
         case Op::map_range:
+        case Op::box_projection:
         case Op::channel:
             return 2;
         case Op::blend:
             return kBlendModeCount - 1;
         case Op::transform:
+        case Op::wireframe:
         case Op::layer_weight:
             return 1;
         default:
@@ -58,6 +75,8 @@ long long largest_mode(Op op) {
 
 /// How many parameters an operation reads.
 long long parameters_read(Op op, long long mode) {
+    if (is_shiftable(op))
+        return mode >= kShift ? 1 : 0;
     switch (op) {
         case Op::image:
         case Op::image_alpha:
@@ -70,6 +89,10 @@ long long parameters_read(Op op, long long mode) {
             return mode + 1;
         case Op::transform:
             return 12;
+        case Op::brick:
+            return 4;
+        case Op::box_projection:
+            return 1;
         default:
             return 0;
     }
@@ -94,7 +117,9 @@ void check_instruction(const Program& program, std::size_t index, std::size_t im
         check_range(where, "an operand's register", r, 0, last);
     const Op op = static_cast<Op>(i.op);
     const bool table = op == Op::ramp || op == Op::ramp_alpha;
-    check_range(where, "the mode", i.mode, table ? 1 : 0, largest_mode(op));
+    const std::int32_t shift = is_shiftable(op) && i.mode > 0 ? i.mode / kShift : 0;
+    check_range(where, "the shift", shift, 0, 2);
+    check_range(where, "the mode", i.mode - shift * kShift, table ? 1 : 0, largest_mode(op));
     const long long read = parameters_read(op, i.mode);
     if (read == 0)
         return;
