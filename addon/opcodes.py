@@ -53,7 +53,7 @@ OPCODES = {
     "bits 4-6 index into NOISE_TYPES",
     "voronoi": "cells at point a, w b.y, both scaled by b.x; exponent b.z; c = (detail, roughness, lacunarity); "
     "d = (smoothness, randomness); mode: bits 0-1 output 0 distance or radius 1 colour 2 position 3 w, bits 2-3 "
-    "dimensions as of noise, bits 4-6 index into VORONOI_FEATURES, bits 7-8 into VORONOI_METRICS, bit 9 normalize",
+    "dimensions as of noise, bits 4-5 index into VORONOI_METRICS, bit 6 normalize, bits 7-9 index into VORONOI_FEATURES",
     "white_noise": "hash of point a, w b.x; mode: bit 0 colour, bits 1-2 dimensions as of noise",
     "gabor": "Gabor noise at point a; b = (frequency, anisotropy, orientation in 2D); c orientation in 3D; "
     "mode: bits 0-1 output 0 value 1 phase 2 intensity, bit 2 3D",
@@ -124,7 +124,7 @@ OPCODES = {
     "rgb_to_hsl": "HSL of a",
     "hsl_to_rgb": "RGB of a",
     "hue_saturation": "a with hue b.x, saturation b.y, value b.z, by factor c.x",
-    "bright_contrast": "a with brightness b.x and contrast b.y",
+    "bright_contrast": "a with brightness b.x and contrast c.x",
     "gamma": "a ^ b.x where a > 0",
     "invert": "a mixed with 1 - a by b.x",
     "blackbody": "Rec. 709 colour of a blackbody at a.x kelvin, luminance 1",

@@ -12,7 +12,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def main():
-    spec = importlib.util.spec_from_file_location("node_support", ROOT / "addon" / "export" / "node_support.py")
+    spec = importlib.util.spec_from_file_location(
+        "node_support", ROOT / "addon" / "export" / "node_support.py"
+    )
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look their module up
     spec.loader.exec_module(module)

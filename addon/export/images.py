@@ -75,7 +75,13 @@ def read_image(use, user, warn):
 
 
 def _part(use):
-    return f", tile {use.tile}" if use.tile is not None else f", frame {use.frame}" if use.frame is not None else ""
+    return (
+        f", tile {use.tile}"
+        if use.tile is not None
+        else f", frame {use.frame}"
+        if use.frame is not None
+        else ""
+    )
 
 
 @contextmanager
@@ -146,7 +152,9 @@ def _described(pixels, opened, image, associated):
     if opened.is_float:  # Blender has converted it to scene-linear, multiplied by alpha
         return Image(image.name, pixels if associated or not coverage else _straight(pixels))
     if associated and coverage:
-        pixels[..., :3] *= pixels[..., 3:]
+        pixels[..., :3] = (
+            np.floor(pixels[..., :3] * pixels[..., 3:] * 255 + 1e-3) / 255
+        )  # in bytes, as Cycles has it
     if space not in ENCODED | AS_STORED:
         return Image(image.name, _linear(pixels, space))
     return Image(image.name, np.rint(pixels * 255).astype(np.uint8), srgb=space not in AS_STORED)

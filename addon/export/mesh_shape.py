@@ -49,5 +49,7 @@ def island_random(count, edges):
         if np.array_equal(spread, root):
             break
         root = spread
-    values = {int(island): hash_text(str(int(island))) * 2654435761 % 2**32 / 2**32 for island in np.unique(root)}
+    values = {
+        int(island): hash_text(str(int(island))) * 2654435761 % 2**32 / 2**32 for island in np.unique(root)
+    }
     return np.array([values[int(island)] for island in root], np.float32)

@@ -31,13 +31,17 @@ NO_HAIR = "Hair curves and points are not rendered: on meshes every output is 0,
 NODES = {
     "Inputs": {
         "AmbientOcclusion": approximated("Ambient Occlusion", "Nothing counts as occluded."),
-        "Attribute": Node("Attribute", note="Of the mesh, a volume's grids, the object, its instancer or the view layer."),
+        "Attribute": Node(
+            "Attribute", note="Of the mesh, a volume's grids, the object, its instancer or the view layer."
+        ),
         "Bevel": approximated("Bevel", "The normal stays as it is."),
         "CameraData": Node("Camera Data"),
         "Fresnel": Node("Fresnel"),
         "HairInfo": approximated("Curves Info", NO_HAIR),
         "LayerWeight": Node("Layer Weight"),
-        "LightPath": Node("Light Path", note="In volumes the kind of ray only. There are no portals: their depth is 0."),
+        "LightPath": Node(
+            "Light Path", note="In volumes the kind of ray only. There are no portals: their depth is 0."
+        ),
         "NewGeometry": Node("Geometry", note="Random Per Island: other numbers than Cycles'."),
         "ObjectInfo": Node("Object Info"),
         "ParticleInfo": Node("Particle Info"),
@@ -113,8 +117,12 @@ NODES = {
         "BsdfGlass": approximated("Glass BSDF", "Without thin films."),
         "BsdfHair": unsupported("Hair BSDF", "Hair is not rendered."),
         "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Hair is not rendered."),
-        "BsdfMetallic": approximated("Metallic BSDF", "Isotropic, by reflectance at normal incidence, without thin films."),
-        "BsdfPrincipled": approximated("Principled BSDF", "Isotropic, no subsurface scattering, thin films or rough diffuse."),
+        "BsdfMetallic": approximated(
+            "Metallic BSDF", "Isotropic, by reflectance at normal incidence, without thin films."
+        ),
+        "BsdfPrincipled": approximated(
+            "Principled BSDF", "Isotropic, no subsurface scattering, thin films or rough diffuse."
+        ),
         "BsdfRayPortal": unsupported("Ray Portal BSDF", "Rays do not jump."),
         "BsdfRefraction": Node("Refraction BSDF"),
         "BsdfSheen": unsupported("Sheen BSDF", "Only Principled BSDF has sheen."),

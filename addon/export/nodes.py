@@ -4,7 +4,15 @@
 import bpy
 
 from .. import description
-from . import nodes_color, nodes_input, nodes_math, nodes_normal, nodes_procedural, nodes_texture, nodes_volume_input
+from . import (
+    nodes_color,
+    nodes_input,
+    nodes_math,
+    nodes_normal,
+    nodes_procedural,
+    nodes_texture,
+    nodes_volume_input,
+)
 from .nodes_closure import compile_closures
 from .nodes_normal import displaced_normal
 from .nodes_program import ONE, ProgramTooLarge, constant

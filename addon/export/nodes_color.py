@@ -152,8 +152,12 @@ def wavelength(c, node, output, path):
     nanometres = c.input(node, "Wavelength", path)
     place = c.emit("multiply", c.emit("subtract", nanometres, constant(FIRST_NM)), step)
     colors = spectrum()
-    visible = c.emit("ramp", place, parameters=np.ravel(colors), mode=len(colors) - 1)
-    within = c.emit("multiply", c.emit("less_than", place, ONE), c.emit("subtract", ONE, c.emit("less_than", place, ZERO)))
+    visible = c.emit(
+        "maximum", c.emit("ramp", place, parameters=np.ravel(colors), mode=len(colors) - 1), ZERO
+    )
+    within = c.emit(
+        "multiply", c.emit("less_than", place, ONE), c.emit("subtract", ONE, c.emit("less_than", place, ZERO))
+    )
     return c.emit("multiply", visible, within)
 
 

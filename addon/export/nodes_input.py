@@ -51,14 +51,21 @@ GEOMETRY = {
     "Parametric": "parametric",
     "Backfacing": "backfacing",
 }
-DERIVED = {"Pointiness": POINTINESS, "Random Per Island": ISLAND_RANDOM}  # attributes that the exporter computes
+DERIVED = {
+    "Pointiness": POINTINESS,
+    "Random Per Island": ISLAND_RANDOM,
+}  # attributes that the exporter computes
 
 
 def geometry(c, node, output, path):
     if output.identifier == "Tangent":
         return radial_tangent(c, 2)
     if output.identifier in DERIVED:
-        return c.emit("attribute", mode=c.attribute(DERIVED[output.identifier])) if c.scope == "material" else ZERO
+        return (
+            c.emit("attribute", mode=c.attribute(DERIVED[output.identifier]))
+            if c.scope == "material"
+            else ZERO
+        )
     return c.emit(GEOMETRY[output.identifier])
 
 
@@ -166,7 +173,9 @@ def light_falloff(c, node, output, path):
     strength, smooth = c.input(node, "Strength", path), c.input(node, "Smooth", path)
     if c.scope != "material":
         if output.identifier != "Quadratic" or not smooth.is_zero:
-            c.warn(node, f"output '{output.name}' is supported on surfaces only; the light falls off as usual")
+            c.warn(
+                node, f"output '{output.name}' is supported on surfaces only; the light falls off as usual"
+            )
         return strength
     distance = c.emit("ray_history", mode=RAY_HISTORY.index("length"))
     square = c.emit("multiply", distance, distance)

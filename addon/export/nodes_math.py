@@ -169,7 +169,9 @@ def rotate_euler(c, vector, angles, inverse=False):
         xyz = [c.emit("channel", vector, mode=m) for m in range(3)]
         first, second = (axis + 1) % 3, (axis + 2) % 3
         turned = list(xyz)
-        turned[first] = c.emit("subtract", c.emit("multiply", xyz[first], k), c.emit("multiply", xyz[second], s))
+        turned[first] = c.emit(
+            "subtract", c.emit("multiply", xyz[first], k), c.emit("multiply", xyz[second], s)
+        )
         turned[second] = c.emit("multiply_add", xyz[first], s, c.emit("multiply", xyz[second], k))
         vector = c.emit("combine", *turned)
     return vector

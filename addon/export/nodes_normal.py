@@ -47,9 +47,13 @@ def normal_map(c, node, output, path):
     if node.space.endswith("OBJECT"):
         mapped = convert_space(c, mapped, "object", "world", NORMAL)
     mapped = c.emit("normalize", mapped)
-    backwards = c.emit("multiply_add", c.emit("backfacing"), constant(-2.0), ONE)  # the map belongs to the front
+    backwards = c.emit(
+        "multiply_add", c.emit("backfacing"), constant(-2.0), ONE
+    )  # the map belongs to the front
     shading = c.emit("normal")
-    return c.emit("normalize", c.emit("mix", shading, c.emit("multiply", mapped, backwards), _positive(c, strength)))
+    return c.emit(
+        "normalize", c.emit("mix", shading, c.emit("multiply", mapped, backwards), _positive(c, strength))
+    )
 
 
 def _positive(c, value):
@@ -103,7 +107,9 @@ def vector_displacement(c, node, output, path):
         return moved
     if node.space == "TANGENT":
         normal = c.emit("normalize", convert_space(c, c.emit("normal"), "world", "object", NORMAL))
-        tangent = c.emit("normalize", convert_space(c, c.emit("uv_tangent", mode=c.uv("")), "world", "object", VECTOR))
+        tangent = c.emit(
+            "normalize", convert_space(c, c.emit("uv_tangent", mode=c.uv("")), "world", "object", VECTOR)
+        )
         across = c.emit("normalize", c.emit("cross", normal, tangent))
         along = [c.emit("channel", moved, mode=k) for k in range(3)]
         moved = c.emit("multiply", tangent, along[0])
@@ -115,7 +121,9 @@ def vector_displacement(c, node, output, path):
 def displaced_normal(c, socket):
     """Returns the Value of the shading normal bent as displacement through `socket` of the output bends it."""
     normal = c.emit("normal")
-    return bent(c, lambda: c.emit("dot", c.value(socket, ()), normal), ONE, ONE, constant(FILTER_WIDTH), normal)
+    return bent(
+        c, lambda: c.emit("dot", c.value(socket, ()), normal), ONE, ONE, constant(FILTER_WIDTH), normal
+    )
 
 
 # --- Tangents
@@ -142,7 +150,9 @@ def normal(c, node, output, path):
     direction = constant(tuple(node.outputs["Normal"].default_value))
     if output.identifier == "Normal":
         return c.emit("normalize", direction)
-    return c.emit("dot", c.emit("normalize", direction), c.emit("normalize", normal_or_shading(c, node, path)))
+    return c.emit(
+        "dot", c.emit("normalize", direction), c.emit("normalize", normal_or_shading(c, node, path))
+    )
 
 
 def bevel(c, node, output, path):

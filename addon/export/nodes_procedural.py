@@ -22,7 +22,11 @@ def coordinate(c, node, path, otherwise="generated"):
 def _check_texture_mapping(c, node):
     """Warns about the old mapping inside a texture node, which no interface shows any more."""
     old = node.texture_mapping
-    moved = (tuple(old.translation), tuple(old.rotation), tuple(old.scale)) != ((0, 0, 0), (0, 0, 0), (1, 1, 1))
+    moved = (tuple(old.translation), tuple(old.rotation), tuple(old.scale)) != (
+        (0, 0, 0),
+        (0, 0, 0),
+        (1, 1, 1),
+    )
     if moved or (old.mapping_x, old.mapping_y, old.mapping_z) != ("X", "Y", "Z"):
         c.warn(node, "the node's own texture mapping is not supported; use a Mapping node")
 
@@ -79,9 +83,9 @@ def voronoi(c, node, output, path):
     mode = (
         VORONOI_OUTPUTS[output.identifier]
         | DIMENSIONS[dimensions] << 2
-        | VORONOI_FEATURES.index(node.feature.lower()) << 4
-        | VORONOI_METRICS.index(node.distance.lower()) << 7
-        | bool(node.normalize) << 9
+        | VORONOI_METRICS.index(node.distance.lower()) << 4
+        | bool(node.normalize) << 6
+        | VORONOI_FEATURES.index(node.feature.lower()) << 7
     )
     return c.emit("voronoi", point, place, fractal, cells, mode=int(mode))
 
@@ -104,7 +108,9 @@ GABOR_OUTPUTS = {"Value": 0, "Phase": 1, "Intensity": 2}
 def gabor(c, node, output, path):
     waves = c.emit("combine", *inputs(c, node, path, "Frequency", "Anisotropy", "Orientation 2D"))
     mode = GABOR_OUTPUTS[output.identifier] | (node.gabor_type == "3D") << 2
-    return c.emit("gabor", scaled_coordinate(c, node, path), waves, c.input(node, "Orientation 3D", path), mode=mode)
+    return c.emit(
+        "gabor", scaled_coordinate(c, node, path), waves, c.input(node, "Orientation 3D", path), mode=mode
+    )
 
 
 def brick(c, node, output, path):
@@ -125,7 +131,9 @@ def brick(c, node, output, path):
 
 def wave(c, node, output, path):
     # moves faces that lie exactly on a lattice plane off it
-    point = c.emit("multiply_add", scaled_coordinate(c, node, path), constant(0.999999), constant(0.999999e-6))
+    point = c.emit(
+        "multiply_add", scaled_coordinate(c, node, path), constant(0.999999), constant(0.999999e-6)
+    )
     distortion, phase = inputs(c, node, path, "Distortion", "Phase Offset")
     argument = c.emit("add", _wave_argument(c, node, point), phase)
     if not distortion.is_zero:
@@ -156,7 +164,9 @@ def _wave_value(c, profile, argument):
     turns = c.emit("multiply", argument, constant(0.5 / math.pi))
     if profile == "SAW":
         return c.emit("fraction", turns)
-    return c.emit("multiply", c.emit("absolute", c.emit("subtract", turns, c.emit("round", turns))), constant(2.0))
+    return c.emit(
+        "multiply", c.emit("absolute", c.emit("subtract", turns, c.emit("round", turns))), constant(2.0)
+    )
 
 
 # How each step of Magic Texture after the first replaces one of x, y and z: (which, function, its sign, signs of x, y
@@ -180,7 +190,9 @@ def magic(c, node, output, path):
     point = c.emit("multiply", point, c.emit("multiply", scale, constant(5.0)))
 
     def turned(function, sign, vector, signs):
-        return c.emit("multiply", c.emit(function, c.emit("dot", vector, constant(signs))), constant(float(sign)))
+        return c.emit(
+            "multiply", c.emit(function, c.emit("dot", vector, constant(signs))), constant(float(sign))
+        )
 
     first = (("sine", 1, (1, 1, 1)), ("cosine", 1, (-1, 1, -1)), ("cosine", -1, (-1, -1, 1)))
     xyz = [turned(function, sign, point, signs) for function, sign, signs in first]
@@ -192,7 +204,9 @@ def magic(c, node, output, path):
             xyz[axis] = c.emit("multiply", turned(function, sign, c.emit("combine", *xyz), signs), distortion)
     color = c.emit("combine", *xyz)
     twice = c.emit("multiply", distortion, constant(2.0))
-    halved = c.emit("mix", color, c.emit("divide", color, twice), c.emit("absolute", c.emit("sign", distortion)))
+    halved = c.emit(
+        "mix", color, c.emit("divide", color, twice), c.emit("absolute", c.emit("sign", distortion))
+    )
     color = c.emit("subtract", HALF, halved)
     return c.emit("average", color) if output.identifier == "Fac" else color
 

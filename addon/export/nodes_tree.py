@@ -111,7 +111,9 @@ class Compiler:
         self.context = context
         self.pass_index = pass_index
         self.builder = ProgramBuilder()
-        self.default_normal = None  # the Value that closures' normals have where nothing is linked; None: as it is
+        self.default_normal = (
+            None  # the Value that closures' normals have where nothing is linked; None: as it is
+        )
         self.shift, self._step = 0, 0.0  # see `shifted`
         self.uvs = {}  # UV map name -> number, of those read
         self.attributes = {}  # attribute name -> number, of those read

@@ -39,7 +39,10 @@ class Objects:
     def __init__(self, context):
         self._context = context
         self._records = {}  # key of evaluated data -> (number, MeshRecord) or None where it has no faces
-        self._place, self._places = 0, []  # among the depsgraph's instances: of the one read, of self.instances
+        self._place, self._places = (
+            0,
+            [],
+        )  # among the depsgraph's instances: of the one read, of self.instances
         self._made = []  # objects whose to_mesh() results are still in use
         self._converted = set()  # objects whose mesh Blender lists by itself
         self._checked = set()  # objects already searched for unsupported features

@@ -90,7 +90,7 @@ def _particle(context, instance, output):
     system = instance.particle_system if instance.is_instance else None
     index = instance.persistent_id[0] if system is not None else -1
     if system is None or not 0 <= index < len(system.particles):
-        return NOTHING
+        return (hash_pair(0, 0) / 0xFFFFFFFF,) * 3 + (1.0,) if output == "Random" else NOTHING
     if output == "Index":
         value = float(index)
     elif output == "Random":

@@ -28,7 +28,7 @@ _BEYOND = ((0.0001, 0.0000, 0.0000),) * 3 + ((0.0000, 0.0000, 0.0000),)  # 765 t
 
 
 def spectrum():
-    """Returns (81, 3): the colours from FIRST_NM to LAST_NM in steps of 5 nm."""
+    """Returns (81, 3): the colours from FIRST_NM to LAST_NM in steps of 5 nm, negative outside Rec. 709."""
     observer = np.empty((81, 3))
     observer[0:77:2], observer[1:76:2], observer[77:] = OBSERVER, _BETWEEN, _BEYOND
-    return np.maximum(observer @ REC709_FROM_XYZ.T / BRIGHTEST, 0.0)
+    return observer @ REC709_FROM_XYZ.T / BRIGHTEST

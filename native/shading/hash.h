@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hashes of one to four words: the mixing of Bob Jenkins' lookup3 (2006), which Blender's textures use too, so
-// that pictures agree.
+// Hashes of one to four words: the mixing of Bob Jenkins' lookup3 (2006), and generators that serve as
+// hashes. Blender's textures use both, so that pictures agree.
 #pragma once
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 namespace nephele {
@@ -49,6 +51,38 @@ inline std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z, std
         c += b;
     }
     return final_mix(state[0] + w, state[1], state[2]);
+}
+
+/// The permuted congruential generators of Jarzynski and Olano 2020 ("Hash Functions for GPU Rendering"), two to four
+/// words at once; their shifts keep the sign, as Blender's do.
+template <std::size_t N>
+std::array<std::uint32_t, N> hash_pcg(std::array<std::uint32_t, N> v) {
+    static_assert(N >= 2 && N <= 4);
+    constexpr std::uint32_t kFactor = 1664525;
+    const auto stir = [&] {
+        if constexpr (N == 2) {
+            v[0] += v[1] * kFactor;
+            v[1] += v[0] * kFactor;
+        } else {
+            v[0] += v[1] * v[N - 1];
+            v[1] += v[2] * v[0];
+            v[2] += v[0] * v[1];
+            if constexpr (N == 4)
+                v[3] += v[1] * v[2];
+        }
+    };
+    const auto shift = [&] {
+        for (std::uint32_t& x : v)
+            x ^= static_cast<std::uint32_t>(static_cast<std::int32_t>(x) >> 16);
+    };
+    for (std::uint32_t& x : v)
+        x = x * kFactor + 1013904223u;
+    stir();
+    shift();
+    stir();
+    if constexpr (N == 2)
+        shift();
+    return v;
 }
 
 /// A hash as a number in [0, 1].

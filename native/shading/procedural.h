@@ -39,11 +39,11 @@ struct VoronoiMode {
     explicit constexpr VoronoiMode(std::int32_t mode)
         : output(static_cast<VoronoiOutput>(mode & 3)),
           dimensions(texture_dimensions(mode >> 2 & 3)),
-          feature(static_cast<VoronoiFeature>(mode >> 4 & 7)),
-          metric(static_cast<VoronoiMetric>(mode >> 7 & 3)),
-          normalize((mode >> 9 & 1) != 0) {}
+          feature(static_cast<VoronoiFeature>(mode >> 7)),
+          metric(static_cast<VoronoiMetric>(mode >> 4 & 3)),
+          normalize((mode >> 6 & 1) != 0) {}
 };
-inline constexpr std::int32_t kLargestNoiseMode = 4 << 4 | 15, kLargestVoronoiMode = 1023;
+inline constexpr std::int32_t kLargestNoiseMode = 4 << 4 | 15, kLargestVoronoiMode = 4 << 7 | 127;
 
 /// Values of the operations "noise", "voronoi", "white_noise", "gabor" and "brick" on their operands.
 Vec3f noise_operation(std::int32_t mode, Vec3f a, Vec3f b, Vec3f c, Vec3f d);

@@ -317,7 +317,7 @@ Vec3f color_operation(Op op, std::int32_t mode, Vec3f a, Vec3f b, Vec3f c) {
         case Op::hue_saturation:
             return adjust_hue_saturation(a, b.x, b.y, b.z, c.x);
         case Op::bright_contrast:
-            return max(a * (1 + b.y) + Vec3f(b.x - 0.5f * b.y), Vec3f(0));
+            return max(a * (1 + c.x) + Vec3f(b.x - 0.5f * c.x), Vec3f(0));
         case Op::gamma:
             return each([&](float x) { return x > 0 ? std::pow(x, b.x) : x; }, a);
         case Op::invert:

@@ -40,32 +40,36 @@ float dot(const Point<N>& a, const Point<N>& b) {
 // --- Cells
 // -------------------------------------------------------------------------------------------------------
 
+/// Hash of a cell's whole coordinates in [0, 1], N numbers at once.
+template <std::size_t N>
+std::array<float, N> hash_cell(const std::array<float, N>& c) {
+    std::array<std::uint32_t, N> words;
+    for (std::size_t i = 0; i < N; ++i)
+        words[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(c[i], -2e9f, 2e9f)));
+    words = hash_pcg(words);
+    std::array<float, N> out;
+    for (std::size_t i = 0; i < N; ++i)
+        out[i] = static_cast<float>(words[i] & 0x7fffffffu) * (1.0f / 2147483647.0f);
+    return out;
+}
+
 /// Numbers in [0, 1] that belong to a cell: where its feature point lies.
 template <int N>
 Point<N> jitter(const Point<N>& c) {
     if constexpr (N == 1)
         return {{hash_unit(c[0])}};
-    else if constexpr (N == 2)
-        return {{hash_unit(c[0], c[1]), hash_unit(c[0], c[1], 1.0f)}};
-    else if constexpr (N == 3)
-        return {{hash_unit(c[0], c[1], c[2]), hash_unit(c[0], c[1], c[2], 1.0f),
-                 hash_unit(c[0], c[1], c[2], 2.0f)}};
     else
-        return {{hash_unit(c[0], c[1], c[2], c[3]), hash_unit(c[3], c[0], c[1], c[2]),
-                 hash_unit(c[2], c[3], c[0], c[1]), hash_unit(c[1], c[2], c[3], c[0])}};
+        return {hash_cell(c.x)};
 }
 /// The colour of a cell.
 template <int N>
 Rgb color_of(const Point<N>& c) {
     if constexpr (N == 1)
         return {hash_unit(c[0]), hash_unit(c[0], 1.0f), hash_unit(c[0], 2.0f)};
-    else if constexpr (N == 4)
-        return {hash_unit(c[0], c[1], c[2], c[3]), hash_unit(c[2], c[0], c[3], c[1]),
-                hash_unit(c[3], c[2], c[1], c[0])};
     else if constexpr (N == 2)
-        return {hash_unit(c[0], c[1]), hash_unit(c[0], c[1], 1.0f), hash_unit(c[0], c[1], 2.0f)};
+        return color_of(Point<3>{{c[0], c[1], 0}});
     else {
-        const Point<3> j = jitter(c);
+        const Point<N> j = jitter(c);
         return {j[0], j[1], j[2]};
     }
 }
@@ -100,8 +104,9 @@ struct Neighbourhood {
 
     Neighbourhood(const Point<N>& p, float r) : randomness(r) {
         for (int i = 0; i < N; ++i) {
-            cell[i] = std::floor(p[i]);
-            local[i] = p[i] - cell[i];
+            const float x = std::isfinite(p[i]) ? p[i] : 0;  // octaves may have scaled it beyond all numbers
+            cell[i] = std::floor(x);
+            local[i] = x - cell[i];
         }
     }
     Point<N> feature(const Point<N>& offset) const {
@@ -214,7 +219,7 @@ float edge_distance(const Point<N>& p, float randomness) {
     Neighbourhood<N>::visit(1, [&](const Point<N>& offset) {
         const Point<N> other = around.feature(offset) - around.local, across = other - own;
         if (const float square = dot(across, across); square > 1e-4f)
-            best = std::min(best, 0.5f * dot(own + other, across) / std::sqrt(square));
+            best = std::min(best, std::max(0.5f * dot(own + other, across) / std::sqrt(square), 0.0f));
     });
     return best;
 }
@@ -313,10 +318,8 @@ float edges_of_octaves(const Point<N>& p, const VoronoiSettings& settings) {
 template <int N>
 Voronoi evaluate(const std::array<float, 4>& at, const VoronoiSettings& settings) {
     Point<N> p;
-    for (int i = 0; i < N; ++i) {
-        const float x = at[static_cast<std::size_t>(i)];
-        p[i] = std::isfinite(x) ? x : 0;
-    }
+    for (int i = 0; i < N; ++i)
+        p[i] = at[static_cast<std::size_t>(i)];
     Voronoi out;
     if (settings.feature == VoronoiFeature::distance_to_edge) {
         out.distance = edges_of_octaves(p, settings);

@@ -82,8 +82,15 @@ def test_operations_not_folded_need_the_shading_point_or_data():
         "checker_fac",
         "grid",
         "noise",
+        "voronoi",
+        "white_noise",
+        "gabor",
+        "brick",
+        "sphere_projection",
+        "tube_projection",
+        "box_projection",
     }
-    shading = {"gradient", "fresnel", "layer_weight", "normal_map"}
+    shading = {"gradient", "fresnel", "layer_weight", "normal_map", "convert_space", "bump", "wireframe"}
     assert set(opcodes.OPCODES) - set(nodes_fold.FOLD) == inputs | known | shading
 
 

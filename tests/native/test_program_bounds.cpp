@@ -25,7 +25,7 @@ int modes_of(Op op) {
         case Op::noise:
             return 5 * 16;
         case Op::voronoi:
-            return 1024;
+            return 5 * 128;
         case Op::white_noise:
             return 8;
         case Op::gabor:

@@ -47,10 +47,19 @@ class Tile:
         found = [s for s in node.outputs if s.identifier == output]
         return found[0] if found else node.outputs[output]
 
+    def snapped(self, socket):
+        """The value of a coordinate that grows by 2 over the tile, at the middle of the pixel: both renderers have
+        the same then, to the last bits."""
+        step = 2 / PIXELS
+        low = self.out("VectorMath", 0, {0: socket, 1: (step,) * 3}, operation="SNAP")
+        return self.out("VectorMath", 0, {0: low, 1: (step / 2, step / 2, 0)}, operation="ADD")
+
     @property
     def point(self):
         """A point that varies in all three coordinates over the tile, about [-1, 1]^3."""
-        place = self.out("TexCoord", "Object")
+        place = self.snapped(
+            self.out("VectorMath", 0, {0: self.out("TexCoord", "Object"), 1: (1, 1, 0)}, operation="MULTIPLY")
+        )
         turned = {"Vector": place, "Rotation": (0.6, 0.4, 0.9), "Location": (0.13, -0.21, 0.37)}
         return self.out("Mapping", 0, turned)
 

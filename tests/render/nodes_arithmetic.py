@@ -35,7 +35,12 @@ def _math(tile, operation):
 
 
 def _vector_math(tile, operation):
-    inputs = {"Vector": tile.point, "Vector_001": (0.7, -0.4, 0.5), "Vector_002": (-0.3, 0.2, 0.9), "Scale": 0.8}
+    inputs = {
+        "Vector": tile.point,
+        "Vector_001": (0.7, -0.4, 0.5),
+        "Vector_002": (-0.3, 0.2, 0.9),
+        "Scale": 0.8,
+    }
     node = tile.node("VectorMath", inputs, operation=operation)
     return next(s for s in node.outputs if s.enabled)
 
@@ -74,12 +79,27 @@ def _(tile):
 for kind in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
 
     def _map_float(tile, kind=kind):
-        inputs = {"Value": tile.number, "From Min": -0.4, "From Max": 0.5, "To Min": 1.2, "To Max": 0.1, "Steps": 3.0}
+        inputs = {
+            "Value": tile.number,
+            "From Min": -0.4,
+            "From Max": 0.5,
+            "To Min": 1.2,
+            "To Max": 0.1,
+            "Steps": 3.0,
+        }
         return tile.out("MapRange", "Result", inputs, interpolation_type=kind, clamp=kind == "LINEAR")
 
     def _map_vector(tile, kind=kind):
-        ends = {"From_Min": (-0.5, -0.4, -0.6), "From_Max": (0.5, 0.6, 0.4), "To_Min": (0, 1, 0.2), "To_Max": (1, 0, 0.9)}
-        inputs = {f"{k}_FLOAT3": v for k, v in ends.items()} | {"Vector": tile.point, "Steps_FLOAT3": (3, 4, 5)}
+        ends = {
+            "From_Min": (-0.5, -0.4, -0.6),
+            "From_Max": (0.5, 0.6, 0.4),
+            "To_Min": (0, 1, 0.2),
+            "To_Max": (1, 0, 0.9),
+        }
+        inputs = {f"{k}_FLOAT3": v for k, v in ends.items()} | {
+            "Vector": tile.point,
+            "Steps_FLOAT3": (3, 4, 5),
+        }
         settings = {"data_type": "FLOAT_VECTOR", "interpolation_type": kind, "clamp": False}
         return tile.out("MapRange", "Vector", inputs, **settings)
 
@@ -181,7 +201,9 @@ def _(tile):
 
 @case("hue saturation")
 def _(tile):
-    return tile.out("HueSaturation", 0, {"Hue": 0.7, "Saturation": 1.4, "Value": 1.2, "Fac": 0.8, "Color": tile.color})
+    return tile.out(
+        "HueSaturation", 0, {"Hue": 0.7, "Saturation": 1.4, "Value": 1.2, "Fac": 0.8, "Color": tile.color}
+    )
 
 
 @case("bright contrast")
@@ -206,12 +228,20 @@ def _(tile):
 
 @case("blackbody")
 def _(tile):
-    return tile.out("Blackbody", 0, {0: tile.out("Math", 0, {0: tile.number, 1: 1500.0, 2: 3500.0}, operation="MULTIPLY_ADD")})
+    return tile.out(
+        "Blackbody",
+        0,
+        {0: tile.out("Math", 0, {0: tile.number, 1: 1500.0, 2: 3500.0}, operation="MULTIPLY_ADD")},
+    )
 
 
 @case("wavelength")
 def _(tile):
-    return tile.out("Wavelength", 0, {0: tile.out("Math", 0, {0: tile.number, 1: 250.0, 2: 570.0}, operation="MULTIPLY_ADD")})
+    return tile.out(
+        "Wavelength",
+        0,
+        {0: tile.out("Math", 0, {0: tile.number, 1: 250.0, 2: 570.0}, operation="MULTIPLY_ADD")},
+    )
 
 
 @case("value and rgb")

@@ -23,16 +23,16 @@ def noise_image(tile, space="Non-Color", is_float=False, opaque=True, name="Nois
     return image
 
 
-def image_case(name, output="Color", coordinate="UV", scale=1.0, make=noise_image, image=(), **properties):
+def image_case(name, output="Color", coordinate="Point", scale=1.0, make=noise_image, image=(), **properties):
     def case(tile):
         node = tile.node("TexImage", **properties)
         node.image = make(tile, **dict(image))
-        point = tile.out("TexCoord", coordinate)
+        point = tile.point if coordinate == "Point" else tile.out("TexCoord", coordinate)
         if scale != 1:
             point = tile.out("VectorMath", 0, {0: point, "Scale": scale}, operation="SCALE")
         tile.tree.links.new(point, node.inputs["Vector"])
         if name.endswith("beside alpha"):
-            alpha = tile.out("Math", 0, {0: node.outputs["Alpha"], 1: 0.0}, operation="MULTIPLY")
+            alpha = tile.out("Math", 0, {0: node.outputs["Alpha"], 1: 0.1}, operation="MULTIPLY")
             return tile.out("VectorMath", 0, {0: node.outputs["Color"], 1: alpha}, operation="ADD")
         return node.outputs[output]
 
@@ -44,7 +44,7 @@ for interpolation in ("Linear", "Closest", "Cubic", "Smart"):
 for extension in ("REPEAT", "EXTEND", "CLIP", "MIRROR"):
     image_case(f"image {extension}", scale=2.3, interpolation="Closest", extension=extension)
 for projection in ("SPHERE", "TUBE"):
-    image_case(f"image {projection}", coordinate="Generated", projection=projection)
+    image_case(f"image {projection}", projection=projection)
 for blend in (0.0, 0.4):
     image_case(f"image BOX {blend}", coordinate="Normal", projection="BOX", projection_blend=blend)
 for space in ("sRGB", "Non-Color", "Linear Rec.709", "Linear Rec.2020", "AgX Base sRGB", "Filmic sRGB"):
@@ -59,7 +59,9 @@ for space in ("sRGB", "Non-Color"):
 for projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
 
     def _environment(tile, projection=projection):
-        node = tile.node("TexEnvironment", {"Vector": tile.point}, projection=projection, interpolation="Closest")
+        node = tile.node(
+            "TexEnvironment", {"Vector": tile.point}, projection=projection, interpolation="Closest"
+        )
         node.image = noise_image(tile)
         return node.outputs[0]
 

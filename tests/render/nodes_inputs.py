@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cases of node_cases.py: what nodes read of the point, the object and the ray, and what they make of normals."""
 
-
 CASES = {}
 
 
@@ -20,7 +19,16 @@ def reads(name, kind, output, inputs=(), **properties):
     CASES[name] = lambda tile: tile.out(kind, output, inputs, **properties)
 
 
-for output in ("Position", "Normal", "Tangent", "True Normal", "Incoming", "Parametric", "Backfacing", "Pointiness"):
+for output in (
+    "Position",
+    "Normal",
+    "Tangent",
+    "True Normal",
+    "Incoming",
+    "Parametric",
+    "Backfacing",
+    "Pointiness",
+):
     reads(f"geometry {output}", "NewGeometry", output)
 for output in ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"):
     reads(f"texture coordinate {output}", "TexCoord", output)
@@ -128,6 +136,8 @@ for space in ("OBJECT", "WORLD"):
 for space in ("TANGENT", "OBJECT", "WORLD"):
 
     def _vector_displacement(tile, space=space):
-        return tile.out("VectorDisplacement", 0, {"Vector": tile.color, "Midlevel": 0.3, "Scale": 0.6}, space=space)
+        return tile.out(
+            "VectorDisplacement", 0, {"Vector": tile.color, "Midlevel": 0.3, "Scale": 0.6}, space=space
+        )
 
     CASES[f"vector displacement {space}"] = _vector_displacement

@@ -24,7 +24,14 @@ def texture(name, kind, output, inputs=(), **properties):
 for dimensions in ("1D", "2D", "3D", "4D"):
     shape = {"noise_dimensions": dimensions}
     for kind in ("FBM", "MULTIFRACTAL", "HYBRID_MULTIFRACTAL", "RIDGED_MULTIFRACTAL", "HETERO_TERRAIN"):
-        fractal = {"Scale": 1.7, "Detail": 2.4, "Roughness": 0.6, "Lacunarity": 2.1, "Offset": 0.4, "Gain": 1.3}
+        fractal = {
+            "Scale": 1.7,
+            "Detail": 2.4,
+            "Roughness": 0.6,
+            "Lacunarity": 2.1,
+            "Offset": 0.4,
+            "Gain": 1.3,
+        }
         texture(f"noise {kind} {dimensions}", "TexNoise", "Fac", fractal, noise_type=kind, **shape)
     bent = {"Scale": 2.3, "Distortion": 0.8, "Detail": 1.0}
     texture(f"noise color {dimensions}", "TexNoise", "Color", bent, normalize=False, **shape)
@@ -39,7 +46,14 @@ for dimensions in ("1D", "2D", "3D", "4D"):
         if feature == "N_SPHERE_RADIUS":
             continue
         fractal = cells | {"Detail": 1.6, "Roughness": 0.7, "Lacunarity": 2.2}
-        texture(f"voronoi {feature} {dimensions} fractal", "TexVoronoi", output, fractal, normalize=True, **settings)
+        texture(
+            f"voronoi {feature} {dimensions} fractal",
+            "TexVoronoi",
+            output,
+            fractal,
+            normalize=True,
+            **settings,
+        )
         if feature == "DISTANCE_TO_EDGE":
             continue
         for output in ("Color", "W" if dimensions == "1D" else "Position"):
@@ -50,12 +64,24 @@ texture("voronoi W 4D", "TexVoronoi", "W", {"Scale": 1.9}, voronoi_dimensions="4
 for metric in ("MANHATTAN", "CHEBYCHEV", "MINKOWSKI"):
     for feature in ("F1", "F2", "SMOOTH_F1"):
         settings = {"feature": feature, "distance": metric, "normalize": True}
-        texture(f"voronoi {feature} {metric}", "TexVoronoi", "Distance", {"Scale": 1.9, "Exponent": 1.4}, **settings)
+        texture(
+            f"voronoi {feature} {metric}",
+            "TexVoronoi",
+            "Distance",
+            {"Scale": 1.9, "Exponent": 1.4},
+            **settings,
+        )
 
 for profile in ("SIN", "SAW", "TRI"):
     for direction in ("X", "Y", "Z", "DIAGONAL"):
         settings = {"wave_profile": profile, "bands_direction": direction}
-        texture(f"wave bands {profile} {direction}", "TexWave", "Fac", {"Scale": 0.3, "Phase Offset": 0.7}, **settings)
+        texture(
+            f"wave bands {profile} {direction}",
+            "TexWave",
+            "Fac",
+            {"Scale": 0.3, "Phase Offset": 0.7},
+            **settings,
+        )
 for direction in ("X", "Y", "Z", "SPHERICAL"):
     settings = {"wave_type": "RINGS", "rings_direction": direction}
     bent = {"Scale": 0.3, "Distortion": 1.5, "Detail": 1.4, "Detail Scale": 1.3, "Detail Roughness": 0.4}
@@ -65,13 +91,31 @@ for depth in (0, 1, 2, 5, 10):
 texture("magic fac", "TexMagic", "Fac", {"Scale": 1.4, "Distortion": 0.0}, turbulence_depth=2)
 for kind in ("LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "QUADRATIC_SPHERE", "RADIAL"):
     texture(f"gradient {kind}", "TexGradient", "Fac", gradient_type=kind)
-texture("checker", "TexChecker", "Color", {"Scale": 1.7, "Color1": (0.9, 0.1, 0.2, 1), "Color2": (0.1, 0.3, 0.8, 1)})
+texture(
+    "checker",
+    "TexChecker",
+    "Color",
+    {"Scale": 1.7, "Color1": (0.9, 0.1, 0.2, 1), "Color2": (0.1, 0.3, 0.8, 1)},
+)
 texture("checker fac", "TexChecker", "Fac", {"Scale": 2.3})
-wall = {"Color1": (0.9, 0.1, 0.2, 1), "Color2": (0.1, 0.3, 0.8, 1), "Mortar": (0.3, 0.9, 0.4, 1), "Scale": 1.6}
+wall = {
+    "Color1": (0.9, 0.1, 0.2, 1),
+    "Color2": (0.1, 0.3, 0.8, 1),
+    "Mortar": (0.3, 0.9, 0.4, 1),
+    "Scale": 1.6,
+}
 texture("brick", "TexBrick", "Color", wall | {"Mortar Size": 0.06, "Mortar Smooth": 0.6, "Bias": 0.1})
 texture("brick fac", "TexBrick", "Fac", {"Mortar Size": 0.05, "Mortar Smooth": 0.0, "Scale": 1.1})
-texture("brick shape", "TexBrick", "Color", wall, offset=0.3, offset_frequency=3, squash=0.7, squash_frequency=2)
+texture(
+    "brick shape", "TexBrick", "Color", wall, offset=0.3, offset_frequency=3, squash=0.7, squash_frequency=2
+)
 for kind in ("2D", "3D"):
     for output in ("Value", "Phase", "Intensity"):
-        waves = {"Scale": 1.2, "Frequency": 1.7, "Anisotropy": 0.6, "Orientation 2D": 0.4, "Orientation 3D": (1, 0.5, -0.4)}
+        waves = {
+            "Scale": 1.2,
+            "Frequency": 1.7,
+            "Anisotropy": 0.6,
+            "Orientation 2D": 0.4,
+            "Orientation 3D": (1, 0.5, -0.4),
+        }
         texture(f"gabor {kind} {output}", "TexGabor", output, waves, gabor_type=kind)
