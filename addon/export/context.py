@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What one export shares: warnings, images, materials, and the numbers of UV maps and attributes."""
 
+import numpy as np
+
 from .. import description
 from .images import read_image
 from .nodes import compile_material
@@ -19,6 +21,7 @@ class Context:
         self.view_layer = depsgraph.view_layer_eval
         self.warnings = []
         self.materials = []  # description.Material by number
+        self.sky_lights = []  # description.Light that the world's nodes make
         self.images = []  # description.Image by number
         self._uv_numbers = {"": 0}  # UV map name -> number; "" is a mesh's active one
         self._attribute_numbers = {}
@@ -36,6 +39,16 @@ class Context:
 
     def attribute_number(self, name):
         return self._attribute_numbers.setdefault(name, len(self._attribute_numbers))
+
+    def sky_number(self, settings, pixels):
+        """Returns the number of the picture of a sky (nodes_sky.py)."""
+        key = ("sky", settings)
+        if key not in self._image_numbers:
+            opaque = np.ones((*pixels.shape[:2], 4), np.float32)
+            opaque[..., :3] = pixels
+            self._image_numbers[key] = len(self.images)
+            self.images.append(description.Image("Sky", opaque))
+        return self._image_numbers[key]
 
     def property_number(self, key):
         return self._property_numbers.setdefault(key, len(self._property_numbers))

@@ -66,7 +66,10 @@ NODES = {
         "TexImage": Node("Image Texture", note="Of movies only the frame that Blender holds."),
         "TexMagic": Node("Magic Texture"),
         "TexNoise": Node("Noise Texture"),
-        "TexSky": unsupported("Sky Texture", "Bake it to an environment image."),
+        "TexSky": approximated(
+            "Sky Texture",
+            "A picture that Cycles makes when rendering starts; its sun is a lamp, unseen by the camera.",
+        ),
         "TexVoronoi": Node("Voronoi Texture"),
         "TexWave": Node("Wave Texture"),
         "TexWhiteNoise": Node("White Noise Texture"),
@@ -154,7 +157,7 @@ NODES = {
 
 def page():
     """Returns docs/nodes.md."""
-    counts = {state: 0 for state in (SUPPORTED, APPROXIMATED, UNSUPPORTED)}
+    counts = dict.fromkeys((SUPPORTED, APPROXIMATED, UNSUPPORTED), 0)
     for nodes in NODES.values():
         for node in nodes.values():
             counts[node.state] += 1

@@ -10,6 +10,7 @@ from . import (
     nodes_math,
     nodes_normal,
     nodes_procedural,
+    nodes_sky,
     nodes_texture,
     nodes_volume_input,
 )
@@ -27,6 +28,7 @@ HANDLERS = (
     | nodes_color.HANDLERS
     | nodes_procedural.HANDLERS
     | nodes_texture.HANDLERS
+    | nodes_sky.HANDLERS
 )
 VOLUME_HANDLERS = HANDLERS | nodes_volume_input.HANDLERS
 
@@ -99,7 +101,10 @@ def compile_world(world, context):
         context.warn(f"{owner}: has no active World Output node; it is black")
         return description.World()
     volume = compile_volume(VolumeCompiler(owner, context, VOLUME_HANDLERS, None), output.inputs["Volume"])
+    compiler.plain_sky, _ = nodes_sky.plain_sky(output)
     compile_closures(compiler, output.inputs["Surface"], ())
+    sun = nodes_sky.sun_lamp(output)
+    context.sky_lights += [] if sun is None else [sun]
     program = finished(compiler)
     return description.World(background=program if program.closures else None, volume=volume)
 

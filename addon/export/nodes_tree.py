@@ -111,9 +111,8 @@ class Compiler:
         self.context = context
         self.pass_index = pass_index
         self.builder = ProgramBuilder()
-        self.default_normal = (
-            None  # the Value that closures' normals have where nothing is linked; None: as it is
-        )
+        self.plain_sky = None  # the Sky Texture whose sun is a lamp (nodes_sky.py)
+        self.default_normal = None  # Value of normals where nothing is linked; None: as they are
         self.shift, self._step = 0, 0.0  # see `shifted`
         self.uvs = {}  # UV map name -> number, of those read
         self.attributes = {}  # attribute name -> number, of those read

@@ -80,8 +80,6 @@ std::array<std::uint32_t, N> hash_pcg(std::array<std::uint32_t, N> v) {
     stir();
     shift();
     stir();
-    if constexpr (N == 2)
-        shift();
     return v;
 }
 

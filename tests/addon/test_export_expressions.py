@@ -236,6 +236,8 @@ def test_light_path(tree):
         node.outputs["Is Reflection Ray"], {"ray_is": lambda o, p, mode: seen.append(mode) or np.ones(3)}
     )
     assert seen == [0b000001, 0b000110]
-    tree.color(node.outputs["Ray Length"], {"ray_history": lambda o, p, mode: seen.append(mode) or np.ones(3)})
+    tree.color(
+        node.outputs["Ray Length"], {"ray_history": lambda o, p, mode: seen.append(mode) or np.ones(3)}
+    )
     assert seen[2:] == [opcodes.RAY_HISTORY.index("length")]
     assert tree.warnings == []

@@ -110,7 +110,11 @@ def test_udim_tiles(bpy, tree, tmp_path, packed):
         tile.filepath_raw, tile.file_format = str(tmp_path / f"skin.{number}.png"), "PNG"
         tile.save()
     image = bpy.data.images.load(str(tmp_path / "skin.1001.png"))
-    image.source, image.filepath, image.colorspace_settings.name = "TILED", str(tmp_path / "skin.<UDIM>.png"), "Non-Color"
+    image.source, image.filepath, image.colorspace_settings.name = (
+        "TILED",
+        str(tmp_path / "skin.<UDIM>.png"),
+        "Non-Color",
+    )
     if [tile.number for tile in image.tiles] == [1001]:
         image.tiles.new(1012)
     image.alpha_mode = "NONE"

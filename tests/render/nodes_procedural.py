@@ -8,14 +8,14 @@ def texture(name, kind, output, inputs=(), **properties):
     """Adds the case of a texture at the tile's point."""
 
     def case(tile):
-        node = tile.node(kind, properties and {} or {}, **properties)
-        for key, value in dict(inputs).items():
-            found = [s for s in node.inputs if s.identifier == key]
-            found[0].default_value = value
-        if any(s.identifier == "Vector" and s.enabled for s in node.inputs):
-            tile.tree.links.new(tile.point, node.inputs["Vector"])
-        if any(s.identifier == "W" and s.enabled for s in node.inputs):
-            tile.tree.links.new(tile.number, node.inputs["W"])
+        node = tile.node(kind, inputs, **properties)
+        hashed = kind == "TexWhiteNoise"  # of the coordinates' very bits
+        enabled = {s.identifier for s in node.inputs if s.enabled}
+        if "Vector" in enabled:
+            tile.tree.links.new(tile.lattice if hashed else tile.point, node.inputs["Vector"])
+        if "W" in enabled:
+            number = tile.out("SeparateXYZ", 1, {0: tile.lattice}) if hashed else tile.number
+            tile.tree.links.new(number, node.inputs["W"])
         return next(s for s in node.outputs if s.identifier == output)
 
     CASES[name] = case
