@@ -59,8 +59,8 @@ class Context:
         return tuple(self._property_numbers)
 
     def image_number(self, use, user):
-        """Returns the number of an images.ImageUse; of a magenta image, with a warning naming `user`, if it cannot
-        be read."""
+        """Returns the number of an images.ImageUse; of a magenta image, with a warning naming `user`, if it
+        cannot be read."""
         if use.key not in self._image_numbers:
             self._image_numbers[use.key] = len(self.images)
             self.images.append(read_image(use, user, self.warn))

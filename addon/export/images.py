@@ -21,8 +21,9 @@ UNRELATED = {"CHANNEL_PACKED", "NONE"}  # alpha modes where alpha is no coverage
 
 @dataclass(frozen=True)
 class ImageUse:
-    """How a node reads an image. associated: colours come multiplied by alpha, as Cycles has them where no node reads
-    alpha. frame: number in the file names of a sequence; tile: UDIM number; None where the image has none."""
+    """How a node reads an image. associated: colours come multiplied by alpha, as Cycles has them where no
+    node reads alpha. frame: number in the file names of a sequence; tile: UDIM number; None where the image
+    has none."""
 
     image: Any
     associated: bool = False
@@ -45,7 +46,8 @@ def tile_numbers(image):
 
 
 def sequence_frame(image, user, frame):
-    """Returns the number of the file that an image sequence shows at the scene's `frame`; None for other images.
+    """Returns the number of the file that an image sequence shows at the scene's `frame`; None for other
+    images.
 
     user: Blender's ImageUser of the node."""
     if image.source != "SEQUENCE":
@@ -161,8 +163,8 @@ def _described(pixels, opened, image, associated):
 
 
 def _linear(pixels, space):
-    """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it converts what it
-    reads."""
+    """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it
+    converts what it reads."""
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "stored.exr"))

@@ -7,8 +7,8 @@ from .hash import hash_text
 
 
 def pointiness(positions, normals, edges):
-    """Returns (V,) float32: the angle between each vertex's normal and the mean direction of its edges over pi, smoothed
-    once over its neighbours; 0.5 where flat. Vertices in the same place count as one.
+    """Returns (V,) float32: the angle between each vertex's normal and the mean direction of its edges over
+    pi, smoothed once over its neighbours; 0.5 where flat. Vertices in the same place count as one.
 
     positions, normals: (V, 3). edges: (E, 2) vertex numbers."""
     _, first, merged = np.unique(positions, axis=0, return_index=True, return_inverse=True)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What becomes of every shader node of Blender 5.0: docs/nodes.md is made of this table (tools/generate_node_page.py).
-Knows neither bpy nor the compiler; tests hold it against both."""
+"""What becomes of every shader node of Blender 5.0: docs/nodes.md is made of this table
+(tools/generate_node_page.py). Knows neither bpy nor the compiler; tests hold it against both."""
 
 from dataclasses import dataclass
 
@@ -166,8 +166,8 @@ def page():
         "",
         "What becomes of the shader nodes of Blender 5.0: "
         + ", ".join(f"{count} are {state}" for state, count in counts.items())
-        + ". What is not supported, or approximated, says so by name when a scene is rendered; an input that it feeds"
-        " keeps its own value.",
+        + ". What is not supported, or approximated, says so by name when a scene is rendered; an input"
+        " that it feeds keeps its own value.",
         "",
         "Made from `addon/export/node_support.py` by `tools/generate_node_page.py`; edit that table instead.",
     ]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that make normals and tangents: normal maps, bump, displacement (as bump), tangents, spaces of vectors.
+"""Nodes that make normals and tangents: normal maps, bump, displacement (as bump), tangents, spaces of
+vectors.
 
-Bump compiles its height three times: at the point and one step beside it along either axis of the tangent plane
-(opcodes.py, SHIFT); only what reads the point is computed anew.
-"""
+Bump compiles its height three times: at the point and one step beside it along either axis of the tangent
+plane (opcodes.py, SHIFT); only what reads the point is computed anew."""
 
 from ..opcodes import SPACES
 from .nodes_program import ONE, ZERO, constant
@@ -27,8 +27,8 @@ def vector_transform(c, node, output, path):
 
 
 def normal_input(c, node, identifier, path):
-    """Returns the Value of a normal input; where nothing is linked the normal that displacement leaves, or None
-    (the shading normal)."""
+    """Returns the Value of a normal input; where nothing is linked the normal that displacement leaves, or
+    None (the shading normal)."""
     return c.input(node, identifier, path) if c.is_linked(node, identifier, path) else c.default_normal
 
 
@@ -76,7 +76,8 @@ def bump(c, node, output, path):
 
 
 def bent(c, height, strength, distance, width, normal):
-    """Returns the Value of `normal` bent by a height. height: function that compiles and returns its Value."""
+    """Returns the Value of `normal` bent by a height. height: function that compiles and returns its
+    Value."""
     if c.shift:  # the heights of a bump inside a bump's height: no second step
         return normal
     heights = [c.shifted(axis, width.constant[0], height) for axis in range(3)]
@@ -119,7 +120,8 @@ def vector_displacement(c, node, output, path):
 
 
 def displaced_normal(c, socket):
-    """Returns the Value of the shading normal bent as displacement through `socket` of the output bends it."""
+    """Returns the Value of the shading normal bent as displacement through `socket` of the output bends
+    it."""
     normal = c.emit("normal")
     return bent(
         c, lambda: c.emit("dot", c.value(socket, ()), normal), ONE, ONE, constant(FILTER_WIDTH), normal

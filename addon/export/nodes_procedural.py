@@ -169,8 +169,8 @@ def _wave_value(c, profile, argument):
     )
 
 
-# How each step of Magic Texture after the first replaces one of x, y and z: (which, function, its sign, signs of x, y
-# and z in its argument).
+# How each step of Magic Texture after the first replaces one of x, y and z: (which, function, its sign,
+# signs of x, y and z in its argument).
 MAGIC_STEPS = (
     (0, "cosine", 1, (1, -1, -1)),
     (2, "sine", 1, (-1, -1, -1)),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sky textures: a picture of the whole sky, made by Cycles in a process of its own, and a lamp for the sun's disc."""
+"""Sky textures: a picture of the whole sky, made by Cycles in a process of its own, and a lamp for the
+sun's disc."""
 
 import functools
 import json
@@ -18,8 +19,8 @@ from .nodes_program import ZERO
 from .nodes_tree import upstream
 
 SETTINGS = (
-    "sky_type", "sun_disc", "sun_size", "sun_intensity", "sun_elevation", "sun_rotation", "altitude", "air_density",
-    "aerosol_density", "ozone_density", "sun_direction", "turbidity", "ground_albedo",
+    "sky_type", "sun_disc", "sun_size", "sun_intensity", "sun_elevation", "sun_rotation", "altitude",
+    "air_density", "aerosol_density", "ozone_density", "sun_direction", "turbidity", "ground_albedo",
 )  # fmt: skip
 SCATTERING = ("SINGLE_SCATTERING", "MULTIPLE_SCATTERING")  # the kinds with a disc
 

@@ -11,8 +11,8 @@ EXTENSIONS = {"REPEAT": 0, "EXTEND": 1, "CLIP": 2, "MIRROR": 3}
 
 
 def _uses(c, node, associated):
-    """Returns the ImageUse of each tile of a node's image (of its one file where it has no tiles); () where it has
-    none (warned). associated: colours are multiplied by alpha."""
+    """Returns the ImageUse of each tile of a node's image (of its one file where it has no tiles); () where
+    it has none (warned). associated: colours are multiplied by alpha."""
     if node.image is None:
         c.warn(node, "has no image; magenta is used")
         return ()

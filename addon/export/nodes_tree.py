@@ -124,14 +124,15 @@ class Compiler:
         self.context.warn(f"{self.owner}, node '{node.name}': {text}")
 
     def emit(self, op, *operands, parameters=(), mode=0):
-        """Returns the Value of an operation: ProgramBuilder.emit, beside the point where `shifted` says so."""
+        """Returns the Value of an operation: ProgramBuilder.emit, beside the point where `shifted` says
+        so."""
         if self.shift and op in SHIFTABLE:
             parameters, mode = (self._step,), mode + self.shift * SHIFT
         return self.builder.emit(op, *operands, parameters=parameters, mode=mode)
 
     def shifted(self, axis, step, compile_value):
-        """Returns the Value that `compile_value` compiles, read `step` pixels beside the point along axis 1 or 2
-        of the tangent plane; 0: at the point."""
+        """Returns the Value that `compile_value` compiles, read `step` pixels beside the point along axis 1
+        or 2 of the tangent plane; 0: at the point."""
         before = self.shift, self._step
         self.shift, self._step = axis, step
         try:

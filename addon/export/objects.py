@@ -92,7 +92,8 @@ class Objects:
             )
 
     def _read_properties(self, instances):
-        """Gives instances what shaders read of their objects: which properties those are is known only now."""
+        """Gives instances what shaders read of their objects: which properties those are is known only
+        now."""
         if not self._context.property_keys:
             return
         places = {place: number for number, place in enumerate(self._places)}

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties of objects that shaders read: attributes of the object or its instancer, its place on the instancer, its
-particle. Each is four numbers per instance, numbered by key.
+"""Properties of objects that shaders read: attributes of the object or its instancer, its place on the
+instancer, its particle. Each is four numbers per instance, numbered by key.
 
-A key is (kind, name): ("OBJECT" or "INSTANCER", an attribute's name), ("PLACE", "orco" or "uv"), or ("PARTICLE", an
-output of Particle Info).
-"""
+A key is (kind, name): ("OBJECT" or "INSTANCER", an attribute's name), ("PLACE", "orco" or "uv"), or
+("PARTICLE", an output of Particle Info)."""
 
 from .hash import hash_pair
 
@@ -23,7 +22,8 @@ def particle_property(output):
 
 
 def read_properties(context, instance):
-    """Returns the values of all keys that programs read, for one depsgraph instance: tuple of (r, g, b, a)."""
+    """Returns the values of all keys that programs read, for one depsgraph instance: tuple of (r, g, b,
+    a)."""
     return tuple(_value(context, instance, *key) for key in context.property_keys)
 
 

@@ -3,9 +3,8 @@
 
     blender --background --factory-startup --python sky_bake.py -- SETTINGS.json OUT.npz
 
-The texture shines from a plane under an orthographic camera, one direction a pixel. sky: (h, w, 3), equirectangular,
-bottom row first, without the sun's disc. sun: (3,), the irradiance of the disc.
-"""
+The texture shines from a plane under an orthographic camera, one direction a pixel. sky: (h, w, 3),
+equirectangular, bottom row first, without the sun's disc. sun: (3,), the irradiance of the disc."""
 
 import json
 import math
@@ -21,7 +20,8 @@ WIDTH, DISC_PIXELS = 1024, 32
 
 
 def new_scene():
-    """Empties the file; returns the material's node tree of a plane that fills an orthographic image 2 wide."""
+    """Empties the file; returns the material's node tree of a plane that fills an orthographic image 2
+    wide."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene = bpy.context.scene
     mesh = bpy.data.meshes.new("Plane")
@@ -58,8 +58,8 @@ def add(tree, kind, *inputs, **properties):
 
 
 def picture(settings, width, height, direction_of):
-    """Returns (height, width, 3), bottom row first: the texture in the directions that direction_of (tree, x, y)
-    makes of the plane's coordinates, x in [-1, 1]."""
+    """Returns (height, width, 3), bottom row first: the texture in the directions that direction_of (tree,
+    x, y) makes of the plane's coordinates, x in [-1, 1]."""
     tree = new_scene()
     place = add(tree, "NewGeometry")
     x, y = (add(tree, "Math", place_of, 0.0) for place_of in _coordinates(tree, place))
@@ -90,7 +90,8 @@ def _coordinates(tree, place):
 
 
 def around(tree, x, y):
-    """Direction of the equirectangular map's place: x turns about z, y in [-0.5, 0.5] is the elevation over pi."""
+    """Direction of the equirectangular map's place: x turns about z, y in [-0.5, 0.5] is the elevation over
+    pi."""
     azimuth, elevation = (
         add(tree, "Math", v, f, operation="MULTIPLY") for v, f in ((x, -math.pi), (y, math.pi))
     )
@@ -108,8 +109,8 @@ def sun_direction(settings):
 
 
 def disc_irradiance(settings):
-    """Returns (3,): the light of the sun's disc on a surface that faces it, W/m^2: of a picture of the disc in the
-    world, less the same without it. (A Sky Texture on a surface has no disc.)"""
+    """Returns (3,): the light of the sun's disc on a surface that faces it, W/m^2: of a picture of the disc
+    in the world, less the same without it. (A Sky Texture on a surface has no disc.)"""
     reach = math.tan(1.1 * settings["sun_size"] / 2)
     with_disc, without = (world_picture(settings | {"sun_disc": disc}, reach) for disc in (True, False))
     side = (np.arange(DISC_PIXELS) + 0.5) * 2 / DISC_PIXELS - 1
@@ -119,7 +120,8 @@ def disc_irradiance(settings):
 
 
 def world_picture(settings, reach):
-    """Returns (DISC_PIXELS, DISC_PIXELS, 3): the world around the sun. reach: tangent of half the field of view."""
+    """Returns (DISC_PIXELS, DISC_PIXELS, 3): the world around the sun. reach: tangent of half the field of
+    view."""
     new_scene()
     scene = bpy.context.scene
     bpy.data.objects.remove(bpy.data.objects["Plane"])

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colour of light of one wavelength: the CIE 1931 observer in linear Rec. 709, as Blender's Wavelength node scales it.
+"""Colour of light of one wavelength: the CIE 1931 observer in linear Rec. 709, as Blender's Wavelength node
+scales it.
 
 Blender's table has steps of 5 nm from 380 to 780 nm and nothing outside.
 """

@@ -78,7 +78,8 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         out.target = offset_point(point.p, point.ng);
     } else {
         const EnvironmentLight::Sample s = lights.world()->sample(u);
-        out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind, history.after(ray_kind, false)), s.pdf, false};
+        out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind, history.after(ray_kind, false)), s.pdf,
+                     false};
     }
     if (!(out.light.pdf > 0) || is_zero(out.light.Li))
         return std::nullopt;

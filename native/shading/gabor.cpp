@@ -44,8 +44,9 @@ Vec3f direction_of(const Cell& cell, float number, const GaborSettings& settings
     const Vec2f turn = cell.angles(number);
     const float around = length(Vec3f(d.x, d.y, 0));
     const float inclination = std::acos(std::clamp(d.z, -1.0f, 1.0f)) + turn.x * isotropy;
-    const float azimuth = (around > 0 ? std::copysign(std::acos(std::clamp(d.x / around, -1.0f, 1.0f)), d.y) : 0) +
-                          turn.y * isotropy;
+    const float azimuth =
+        (around > 0 ? std::copysign(std::acos(std::clamp(d.x / around, -1.0f, 1.0f)), d.y) : 0) +
+        turn.y * isotropy;
     return {std::sin(inclination) * std::cos(azimuth), std::sin(inclination) * std::sin(azimuth),
             std::cos(inclination)};
 }
@@ -88,7 +89,8 @@ Gabor gabor_noise(Vec3f p, const GaborSettings& given) {
             for (int i = -1; i <= 1; ++i) {
                 const Vec3f offset(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
                 const Vec3f at = cell + offset;
-                const Phasor part = impulses({at.x, at.y, at.z, settings.solid}, local - offset, settings, isotropy);
+                const Phasor part =
+                    impulses({at.x, at.y, at.z, settings.solid}, local - offset, settings, isotropy);
                 sum.re += part.re;
                 sum.im += part.im;
             }

@@ -53,8 +53,8 @@ inline std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z, std
     return final_mix(state[0] + w, state[1], state[2]);
 }
 
-/// The permuted congruential generators of Jarzynski and Olano 2020 ("Hash Functions for GPU Rendering"), two to four
-/// words at once; their shifts keep the sign, as Blender's do.
+/// The permuted congruential generators of Jarzynski and Olano 2020 ("Hash Functions for GPU Rendering"), two
+/// to four words at once; their shifts keep the sign, as Blender's do.
 template <std::size_t N>
 std::array<std::uint32_t, N> hash_pcg(std::array<std::uint32_t, N> v) {
     static_assert(N >= 2 && N <= 4);

@@ -127,8 +127,7 @@ float hetero_terrain(Octaves o) {
         value += (o.noise() + o.settings.offset) * o.amplitude * value;
         o.next();
     }
-    return o.rest == 0 ? value
-                       : value + o.rest * (o.noise() + o.settings.offset) * o.amplitude * value;
+    return o.rest == 0 ? value : value + o.rest * (o.noise() + o.settings.offset) * o.amplitude * value;
 }
 
 /// Octaves weighted by what the coarser ones gave.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Perlin's gradient noise and its fractal sums, with the hash, gradients and scales of Blender's Noise Texture, so
-// that pictures agree. The fractals other than fBM: Musgrave, in Ebert et al. 2003, "Texturing and Modeling".
+// Perlin's gradient noise and its fractal sums, with the hash, gradients and scales of Blender's Noise
+// Texture, so that pictures agree. The fractals other than fBM: Musgrave, in Ebert et al. 2003, "Texturing
+// and Modeling".
 #pragma once
 
 #include "math/vec.h"

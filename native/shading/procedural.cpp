@@ -43,8 +43,8 @@ Vec3f gabor_operation(std::int32_t mode, Vec3f a, Vec3f b, Vec3f c) {
 
 Vec3f brick_operation(const float* parameters, Vec3f a, Vec3f b, Vec3f c) {
     const auto integer = [](float x) { return static_cast<int>(std::clamp(x, 0.0f, 99.0f)); };
-    const Brick wall = brick(a, {b.x, b.y, b.z, c.x, c.y, parameters[0], parameters[1], integer(parameters[2]),
-                                 integer(parameters[3])});
+    const Brick wall = brick(a, {b.x, b.y, b.z, c.x, c.y, parameters[0], parameters[1],
+                                 integer(parameters[2]), integer(parameters[3])});
     return {wall.tint, wall.mortar, 0};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The procedural textures as operations of programs: how opcodes.py packs their settings into operands and modes.
+// The procedural textures as operations of programs: how opcodes.py packs their settings into operands and
+// modes.
 #pragma once
 
 #include "shading/brick.h"

@@ -82,7 +82,6 @@ int most_octaves(Interval1 detail) {
 // --- Voronoi
 // -----------------------------------------------------------------------------------------------------
 
-
 /// Length by the metric of the largest vector whose components are at most `side`.
 double corner(const VoronoiMode& mode, Interval1 exponent, double side) {
     const double n = mode.dimensions;
@@ -94,8 +93,8 @@ double corner(const VoronoiMode& mode, Interval1 exponent, double side) {
 }
 
 /// The point of the own cell is at most a cell's diagonal away and a neighbour's two; a smooth minimum of
-/// smoothness k leaves [-1.25 k, minimum + k]. Half the distance between two points of neighbours, and an edge,
-/// are no farther than one and a half diagonals.
+/// smoothness k leaves [-1.25 k, minimum + k]. Half the distance between two points of neighbours, and an
+/// edge, are no farther than one and a half diagonals.
 Interval1 octave_distance(const VoronoiMode& mode, Interval1 exponent, Interval1 smoothness) {
     const double k = 0.5 * std::clamp(smoothness.hi, 0.0, 1.0);
     switch (mode.feature) {
@@ -120,7 +119,7 @@ double least_scale(const VoronoiMode& mode, Interval1 exponent, Interval1 random
 }
 
 struct VoronoiOctaves {
-    double total = 0;              ///< largest sum of amplitudes
+    double total = 0;                 ///< largest sum of amplitudes
     double finest = 1, coarsest = 1;  ///< frequencies
 };
 VoronoiOctaves octaves_of(const Interval3& fractal) {
@@ -137,7 +136,8 @@ VoronoiOctaves octaves_of(const Interval3& fractal) {
     return out;
 }
 
-Interval1 voronoi_distance(const VoronoiMode& mode, Interval1 one, double scale, const VoronoiOctaves& octaves) {
+Interval1 voronoi_distance(const VoronoiMode& mode, Interval1 one, double scale,
+                           const VoronoiOctaves& octaves) {
     if (mode.feature == VoronoiFeature::n_sphere_radius)
         return rounded(one, 4);
     if (mode.feature == VoronoiFeature::distance_to_edge) {  // the least of octaves: no more than the first
@@ -176,8 +176,8 @@ Interval3 voronoi_position(const VoronoiMode& mode, const Interval3& p, Interval
 
 }  // namespace
 
-Interval3 noise_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b, const Interval3& c,
-                                 const Interval3& d) {
+Interval3 noise_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b,
+                                 const Interval3& c, const Interval3& d) {
     const NoiseMode m(mode);
     if (m.type == NoiseType::fbm) {
         const Interval3 p{a[0] * b[0], a[1] * b[0], a[2] * b[0]};
@@ -190,8 +190,8 @@ Interval3 noise_operation_bounds(std::int32_t mode, const Interval3& a, const In
     return Interval3(tame_or_everything(fractal_range(m.type, fractal)));
 }
 
-Interval3 voronoi_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b, const Interval3& c,
-                                   const Interval3& d) {
+Interval3 voronoi_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b,
+                                   const Interval3& c, const Interval3& d) {
     const VoronoiMode m(mode);
     const bool minkowski = m.metric == VoronoiMetric::minkowski;
     const bool known = tame(b[0], b[1], c[0], c[1], d[0], d[1]) && c[2].lo >= 0.01 && c[2].hi <= 100 &&
@@ -203,7 +203,8 @@ Interval3 voronoi_operation_bounds(std::int32_t mode, const Interval3& a, const 
         m.feature == VoronoiFeature::distance_to_edge || m.feature == VoronoiFeature::n_sphere_radius;
     switch (m.output) {
         case VoronoiOutput::distance:
-            return Interval3(voronoi_distance(m, octave_distance(m, b[2], d[0]), least_scale(m, b[2], d[1]), octaves));
+            return Interval3(
+                voronoi_distance(m, octave_distance(m, b[2], d[0]), least_scale(m, b[2], d[1]), octaves));
         case VoronoiOutput::color:
             return Interval3(pointless ? Interval1(0) : voronoi_color(m, octaves));
         default:

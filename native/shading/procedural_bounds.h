@@ -7,10 +7,10 @@
 
 namespace nephele {
 
-Interval3 noise_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b, const Interval3& c,
-                                 const Interval3& d);
-Interval3 voronoi_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b, const Interval3& c,
-                                   const Interval3& d);
+Interval3 noise_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b,
+                                 const Interval3& c, const Interval3& d);
+Interval3 voronoi_operation_bounds(std::int32_t mode, const Interval3& a, const Interval3& b,
+                                   const Interval3& c, const Interval3& d);
 Interval3 gabor_operation_bounds(std::int32_t mode, const Interval3& b, const Interval3& c);
 Interval3 brick_operation_bounds(const Interval3& a, const Interval3& b, const Interval3& c);
 

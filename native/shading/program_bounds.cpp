@@ -49,8 +49,7 @@ struct Step {
 Interval3 image_bounds(const Step& step, Op op, const Interval3& at) {
     const ImageBounds& image = step.image();
     const Interval3 texels = op == Op::image_alpha ? Interval3(image.alpha) : image.rgb;
-    const bool clipped =
-        static_cast<Image::Extension>(step.instruction.mode >> 2) == Image::Extension::clip;
+    const bool clipped = static_cast<Image::Extension>(step.instruction.mode >> 2) == Image::Extension::clip;
     const auto outside = [](Interval1 x) { return x.nan || !x.bounded(); };
     // Directions have any length; that of 0 gives black.
     const bool direction = op == Op::environment || op == Op::environment_mirror_ball;

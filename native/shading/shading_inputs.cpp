@@ -96,8 +96,8 @@ Vec3f object_input(Op op, std::int32_t mode, const ShadingPoint& point, const Te
     }
 }
 
-/// Directions in which u and v grow over a triangle, world space, not of unit length; their signs are those of
-/// the map's handedness. False where the mesh lacks the map or it is flat there.
+/// Directions in which u and v grow over a triangle, world space, not of unit length; their signs are those
+/// of the map's handedness. False where the mesh lacks the map or it is flat there.
 bool uv_directions(std::int32_t uv_map, const ShadingPoint& point, Vec3f& along_u, Vec3f& along_v) {
     if (!point.mesh || !point.instance || uv_map < 0)
         return false;
@@ -135,8 +135,8 @@ struct TangentPlane {
     }
 };
 
-/// Width of a pixel of the image at the point: how far apart the samples of neighbouring pixels lie on a surface
-/// that faces the camera.
+/// Width of a pixel of the image at the point: how far apart the samples of neighbouring pixels lie on a
+/// surface that faces the camera.
 float footprint(const ShadingPoint& point, const TextureContext& context) {
     return context.pixel_width * (context.orthographic ? 1 : length(camera_point(point, context)));
 }
@@ -218,13 +218,15 @@ Vec3f shifted_input(Op op, std::int32_t mode, float pixels, const ShadingPoint& 
     return shading_input(op, rest, moved(point, axis * (pixels * footprint(point, context))), context);
 }
 
-Vec3f bump_normal(Vec3f heights, float strength, float distance, float pixels, Vec3f n, const ShadingPoint& point,
-                  const TextureContext& context) {
+Vec3f bump_normal(Vec3f heights, float strength, float distance, float pixels, Vec3f n,
+                  const ShadingPoint& point, const TextureContext& context) {
     const TangentPlane plane(point.ng);
     const float step = pixels * footprint(point, context);
-    const Vec3f slope = (cross(plane.y, n) * (heights.y - heights.x) + cross(n, plane.x) * (heights.z - heights.x));
+    const Vec3f slope =
+        (cross(plane.y, n) * (heights.y - heights.x) + cross(n, plane.x) * (heights.z - heights.x));
     const float det = dot(plane.x, cross(plane.y, n));
-    const Vec3f bent = safe_normalize(n * (step * std::fabs(det)) - slope * (distance * std::copysign(1.0f, det)));
+    const Vec3f bent =
+        safe_normalize(n * (step * std::fabs(det)) - slope * (distance * std::copysign(1.0f, det)));
     const float s = std::max(strength, 0.0f);
     const Vec3f out = is_zero(bent) ? n : safe_normalize(bent * s + n * (1 - s));
     return is_zero(out) ? n : out;
@@ -237,7 +239,8 @@ bool on_wire(float size, bool pixels, const ShadingPoint& point, const TextureCo
     const Transform world_from_object = point.instance->world_from_object_at(point.time);
     for (int corner = 0; corner < 3; ++corner) {
         const Vec3f a = world_from_object.point(point.mesh->vertex(point.triangle, corner, point.time)),
-                    b = world_from_object.point(point.mesh->vertex(point.triangle, (corner + 1) % 3, point.time));
+                    b = world_from_object.point(
+                        point.mesh->vertex(point.triangle, (corner + 1) % 3, point.time));
         const Vec3f along = safe_normalize(b - a), from = point.p - a;
         if (length(from - along * dot(along, from)) < half)
             return true;

@@ -10,9 +10,9 @@ namespace nephele {
 /// What the mode of such an operation means beyond this: opcodes.py, SHIFT.
 inline constexpr std::int32_t kShift = 1 << 16;
 constexpr bool is_shiftable(Op op) {
-    return op == Op::uv || op == Op::generated || op == Op::object_coordinate || op == Op::camera_coordinate ||
-           op == Op::window_coordinate || op == Op::position || op == Op::attribute ||
-           op == Op::attribute_alpha || op == Op::parametric;
+    return op == Op::uv || op == Op::generated || op == Op::object_coordinate ||
+           op == Op::camera_coordinate || op == Op::window_coordinate || op == Op::position ||
+           op == Op::attribute || op == Op::attribute_alpha || op == Op::parametric;
 }
 
 /// Value of an operation that reads the point alone (opcodes.py, "inputs of the shading point"). mode: the
@@ -23,8 +23,8 @@ Vec3f shifted_input(Op op, std::int32_t mode, float pixels, const ShadingPoint& 
                     const TextureContext& context);
 
 /// Normal n bent as a surface of those heights is. heights: here and one step along the tangent plane's axes.
-Vec3f bump_normal(Vec3f heights, float strength, float distance, float pixels, Vec3f n, const ShadingPoint& point,
-                  const TextureContext& context);
+Vec3f bump_normal(Vec3f heights, float strength, float distance, float pixels, Vec3f n,
+                  const ShadingPoint& point, const TextureContext& context);
 /// Whether the point lies within half of `size` (of pixels, or metres) of an edge of its triangle.
 bool on_wire(float size, bool pixels, const ShadingPoint& point, const TextureContext& context);
 /// a from one space to another, as the mode of "convert_space" says.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cellular textures: one feature point in every cell of a lattice (Worley 1996), in one to four dimensions, with the
-// features, metrics and fractal sum of Blender's Voronoi Texture, so that pictures agree.
+// Cellular textures: one feature point in every cell of a lattice (Worley 1996), in one to four dimensions,
+// with the features, metrics and fractal sum of Blender's Voronoi Texture, so that pictures agree.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct VoronoiSettings {
     bool normalize = false;  ///< divide by the largest distance that is possible
     float detail = 0;        ///< octaves beyond the first; [0, 15]
     float roughness = 0.5f, lacunarity = 2;
-    float smoothness = 1;  ///< of smooth_f1, [0, 1]
+    float smoothness = 1;   ///< of smooth_f1, [0, 1]
     float exponent = 0.5f;  ///< of the Minkowski metric
     float randomness = 1;   ///< how far feature points leave the corners of their cells, [0, 1]
 };

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of shader nodes: it lists every node of Blender, agrees with the compiler, and docs/nodes.md with it."""
+"""The table of shader nodes: it lists every node of Blender, agrees with the compiler, and docs/nodes.md
+with it."""
 
 from pathlib import Path
 

@@ -44,8 +44,8 @@ class PerlinPart {
                                      : t * (1 - t) * (1 - t * 2) * 60;
         return upper ? u : k == 0 ? 1 - u : -u;
     }
-    /// Largest product of a with a gradient: 1 to 8 along x; (1, 2) or (2, 1); or all components but one of 1; any
-    /// signs.
+    /// Largest product of a with a gradient: 1 to 8 along x; (1, 2) or (2, 1); or all components but one of
+    /// 1; any signs.
     double most(const std::array<Interval1, 4>& a) const {
         const double x = a[0].magnitude(), y = a[1].magnitude(), z = a[2].magnitude(), w = a[3].magnitude();
         return n_ == 1   ? 8 * x
@@ -109,9 +109,10 @@ TEST(NoiseBounds, HoldFractalsOverBoxesOfAllSizes) {
         const float centers[] = {0, 3, 50, 3000};
         const Vec3f center = random.vector(-1, 1) * centers[random.below(4)];
         const Vec3f lo = center, hi = center + random.vector(0, 1) * size;
-        const Interval3 bounds = noise_bounds(
-            box(lo, hi), Interval1(w), Interval3(Vec3f(settings.detail, settings.roughness, settings.lacunarity)),
-            Interval1(settings.distortion), settings.normalize, n, true);
+        const Interval3 bounds =
+            noise_bounds(box(lo, hi), Interval1(w),
+                         Interval3(Vec3f(settings.detail, settings.roughness, settings.lacunarity)),
+                         Interval1(settings.distortion), settings.normalize, n, true);
         for (int sample = 0; sample < 40; ++sample) {
             const Vec3f p = min(max(lo + (hi - lo) * random.vector(0, 1), lo), hi);
             const Rgb value = noise_color({p, w}, settings);
@@ -132,8 +133,8 @@ TEST(NoiseBounds, AreCloseWhereTheBoxIsSmall) {
         double ratio = 0;
         for (int k = 0; k < 40; ++k) {
             const Vec3f lo = random.vector(-10, 10), hi = lo + Vec3f(size);
-            const Interval3 bounds =
-                noise_bounds(box(lo, hi), Interval1(0), Interval3(Vec3f(2, 0.5f, 2)), Interval1(0), true, 3, false);
+            const Interval3 bounds = noise_bounds(box(lo, hi), Interval1(0), Interval3(Vec3f(2, 0.5f, 2)),
+                                                  Interval1(0), true, 3, false);
             float least = 1, greatest = 0;
             for (int sample = 0; sample < 2000; ++sample) {
                 const float v = noise_value(lo + Vec3f(size) * random.vector(0, 1), settings);

@@ -166,11 +166,11 @@ const std::vector<Row>& rows() {
         {Op::wireframe, {s(80)}, s(1), 1},
         {Op::image, {{0.25f, 0.5f, 0}}, {1, 0, 0}, 0, {0}},
         {Op::image, {{0.5f, 0.5f, 0}}, {0.5f, 0.5f, 0}, 0, {0}},
-        {Op::image, {{0.6f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},             // closest
-        {Op::image, {{-0.25f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},           // repeat
-        {Op::image, {{-0.25f, 0.5f, 0}}, {1, 0, 0}, 1 | 1 << 2, {0}},  // extend
-        {Op::image, {{-0.25f, 0.5f, 0}}, s(0), 1 | 2 << 2, {0}},       // clip
-        {Op::image, {{-0.75f, 0.5f, 0}}, {0, 1, 0}, 1 | 3 << 2, {0}},  // mirror
+        {Op::image, {{0.6f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},                          // closest
+        {Op::image, {{-0.25f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},                        // repeat
+        {Op::image, {{-0.25f, 0.5f, 0}}, {1, 0, 0}, 1 | 1 << 2, {0}},               // extend
+        {Op::image, {{-0.25f, 0.5f, 0}}, s(0), 1 | 2 << 2, {0}},                    // clip
+        {Op::image, {{-0.75f, 0.5f, 0}}, {0, 1, 0}, 1 | 3 << 2, {0}},               // mirror
         {Op::image, {{0.25f, 0.5f, 0}}, {5.0f / 6, 1.0f / 6, 0}, 2 | 1 << 2, {0}},  // cubic
         {Op::image_alpha, {{0.75f, 0.5f, 0}}, s(0.75f), 0, {0}},
         {Op::environment, {{0, 1, 0}}, {1, 0, 0}, 0, {0}},   // a quarter of the way: the first texel's centre

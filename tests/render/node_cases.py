@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene of many small tiles, each of which shines with the output of one node: what its materials hold is known
-without noise, pixel by pixel. Every tile is a bent, smooth patch with UV maps and attributes under one camera."""
+"""A scene of many small tiles, each of which shines with the output of one node: what its materials hold is
+known without noise, pixel by pixel. Every tile is a bent, smooth patch with UV maps and attributes under
+one camera."""
 
 import itertools
 import math
@@ -48,8 +49,8 @@ class Tile:
         return found[0] if found else node.outputs[output]
 
     def snapped(self, socket):
-        """The value of a coordinate that grows by 2 over the tile, at the middle of the pixel: both renderers have
-        the same then, to the last bits."""
+        """The value of a coordinate that grows by 2 over the tile, at the middle of the pixel: both
+        renderers have the same then, to the last bits."""
         step = 2 / PIXELS
         low = self.out("VectorMath", 0, {0: socket, 1: (step,) * 3}, operation="SNAP")
         return self.out("VectorMath", 0, {0: low, 1: (step / 2, step / 2, 0)}, operation="ADD")
@@ -108,8 +109,9 @@ def patch(bpy):
 
 
 def build(bpy, cases):
-    """Fills the open, empty file with a tile per case (name -> function (Tile) that returns a socket). Returns
-    (columns, rows): tile number k has column k % columns, from the left, and row k // columns, from the bottom."""
+    """Fills the open, empty file with a tile per case (name -> function (Tile) that returns a socket).
+    Returns (columns, rows): tile number k has column k % columns, from the left, and row k // columns, from
+    the bottom."""
     columns = math.ceil(math.sqrt(len(cases)))
     rows = math.ceil(len(cases) / columns)
     mesh = patch(bpy)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases of node_cases.py: what nodes read of the point, the object and the ray, and what they make of normals."""
+"""Cases of node_cases.py: what nodes read of the point, the object and the ray, and what they make of
+normals."""
 
 CASES = {}
 
@@ -51,9 +52,9 @@ for output in ("Index", "Random", "Age", "Location"):
 for output in ("Is Strand", "Intercept", "Length", "Random"):
     reads(f"hair info {output}", "HairInfo", output)
 for output in (
-    "Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray", "Is Reflection Ray",
-    "Is Transmission Ray", "Is Volume Scatter Ray", "Ray Depth", "Diffuse Depth", "Glossy Depth", "Transparent Depth",
-    "Transmission Depth", "Portal Depth",
+    "Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Singular Ray",
+    "Is Reflection Ray", "Is Transmission Ray", "Is Volume Scatter Ray", "Ray Depth", "Diffuse Depth",
+    "Glossy Depth", "Transparent Depth", "Transmission Depth", "Portal Depth",
 ):  # fmt: skip
     reads(f"light path {output}", "LightPath", output)
 for output in ("Quadratic", "Linear"):
@@ -87,8 +88,8 @@ for source in ("WORLD", "OBJECT", "CAMERA"):
             return tile.out("VectorTransform", 0, {0: tile.point}, **settings)
 
         CASES[f"vector transform {source} {target}"] = _transform
-reads("vector transform of a normal", "VectorTransform", 0, {0: (0.3, 0.4, 0.5)}, vector_type="NORMAL", convert_to="WORLD",
-      convert_from="OBJECT")  # fmt: skip
+SPACES = {"vector_type": "NORMAL", "convert_from": "OBJECT", "convert_to": "WORLD"}
+reads("vector transform of a normal", "VectorTransform", 0, {0: (0.3, 0.4, 0.5)}, **SPACES)
 
 for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
 

@@ -3,10 +3,10 @@
 compared pixel by pixel, without noise. Both renderers sample pixels at their middles (a filter 0.01 pixels
 wide).
 
-Most cases read the middle of the pixel, which is the same number in both. Values agree to TOLERANCE of the larger
-of 1 and themselves; where a pattern jumps, the last bit of a coordinate decides, so that up to OUTLIERS of a
-tile's pixels may differ. What reads the surface itself sees the pixel's place as the filter draws it, to
-2e-3 units of a tile that is 2 wide: PLACED."""
+Most cases read the middle of the pixel, which is the same number in both. Values agree to TOLERANCE of the
+larger of 1 and themselves; where a pattern jumps, the last bit of a coordinate decides, so that up to
+OUTLIERS of a tile's pixels may differ. What reads the surface itself sees the pixel's place as the filter
+draws it, to 2e-3 units of a tile that is 2 wide: PLACED."""
 
 import sys
 from pathlib import Path
