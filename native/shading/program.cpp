@@ -6,7 +6,7 @@
 #include "grids/volume_fields.h"
 #include "math/warp.h"
 #include "shading/color_math.h"
-#include "shading/noise.h"
+#include "shading/procedural.h"
 #include "shading/shading_inputs.h"
 #include "shading/textures.h"
 
@@ -115,8 +115,8 @@ struct Step {
     }
     const Image& image() const { return context.images[static_cast<std::size_t>(parameters()[0])]; }
     Image::Texel texel(Vec2f uv) const {
-        return image().sample(uv, (instruction.mode & 1) != 0,
-                              static_cast<Image::Extension>(instruction.mode >> 1 & 3));
+        return image().sample(uv, static_cast<Image::Filter>(instruction.mode & 3),
+                              static_cast<Image::Extension>(instruction.mode >> 2));
     }
 };
 
@@ -128,12 +128,6 @@ Rgb environment(const Step& step, Vec3f d) {
     const float half_texel = 0.5f / static_cast<float>(step.image().height);
     uv.y = std::clamp(uv.y, half_texel, 1 - half_texel);
     return step.texel(uv).rgb;
-}
-
-Vec3f noise(const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
-    const std::int32_t mode = step.instruction.mode;
-    const NoiseSettings settings{c.x, c.y, c.z, d.x, (mode & 2) != 0, 3 - (mode >> 2 & 3)};
-    return mode & 1 ? noise_color(a * b.x, settings) : Vec3f(noise_value(a * b.x, settings));
 }
 
 // --- Groups of operations
@@ -148,6 +142,10 @@ Vec3f grid(const Step& step, Vec3f a) {
     return step.point.volume->value(step.instruction.mode, step.point.at_rest(p), step.point.time);
 }
 
+Vec3f flat(Vec2f v) {
+    return {v.x, v.y, 0};
+}
+
 Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
     const std::int32_t mode = step.instruction.mode;
     switch (op) {
@@ -159,6 +157,10 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
             return environment(step, a);
         case Op::environment_mirror_ball:
             return step.texel(mirror_ball_from_direction(a)).rgb;
+        case Op::sphere_projection:
+            return flat(sphere_projection(a));
+        case Op::tube_projection:
+            return flat(tube_projection(a));
         case Op::checker:
             return checker_is_odd(a * d.x) ? b : c;
         case Op::checker_fac:
@@ -166,7 +168,15 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
         case Op::grid:
             return grid(step, a);
         case Op::noise:
-            return noise(step, a, b, c, d);
+            return noise_operation(mode, a, b, c, d);
+        case Op::voronoi:
+            return voronoi_operation(mode, a, b, c, d);
+        case Op::white_noise:
+            return white_noise_operation(mode, a, b);
+        case Op::gabor:
+            return gabor_operation(mode, a, b, c);
+        case Op::brick:
+            return brick_operation(step.parameters(), a, b, c);
         case Op::gradient:
             return Vec3f(gradient_value(static_cast<Gradient>(mode), a));
         case Op::ramp:
@@ -279,6 +289,14 @@ Vec3f vector_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c) {
         case Op::layer_weight:
             return Vec3f(mode == 0 ? layer_weight_fresnel(a.x, b, step.point)
                                    : layer_weight_facing(a.x, b, step.point));
+        case Op::convert_space:
+            return convert_space(mode, a, step.point, step.context);
+        case Op::box_projection:
+            return box_projection(a, b, mode, step.parameters()[0]);
+        case Op::bump:
+            return bump_normal(a, b.x, b.y, b.z, c, step.point, step.context);
+        case Op::wireframe:
+            return Vec3f(one_if(on_wire(a.x, mode == 1, step.point, step.context)));
         default:
             return tangent_normal(a, b.x, mode, step.point);  // normal_map
     }
@@ -299,7 +317,7 @@ Vec3f color_operation(Op op, std::int32_t mode, Vec3f a, Vec3f b, Vec3f c) {
         case Op::hue_saturation:
             return adjust_hue_saturation(a, b.x, b.y, b.z, c.x);
         case Op::bright_contrast:
-            return max(a * (1 + b.y) + Vec3f(b.x - 0.5f * b.y), Vec3f(0));
+            return max(a * (1 + c.x) + Vec3f(b.x - 0.5f * c.x), Vec3f(0));
         case Op::gamma:
             return each([&](float x) { return x > 0 ? std::pow(x, b.x) : x; }, a);
         case Op::invert:
@@ -336,8 +354,10 @@ Vec3f evaluate(const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
         default:
             break;
     }
-    if (op < Op::image)
-        return shading_input(op, mode, step.point, step.context);
+    if (op < Op::image) {
+        return mode < kShift ? shading_input(op, mode, step.point, step.context)
+                             : shifted_input(op, mode, step.parameters()[0], step.point, step.context);
+    }
     if (op < Op::copy)
         return texture_operation(op, step, a, b, c, d);
     if (op < Op::clamp)
