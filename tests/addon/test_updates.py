@@ -123,14 +123,6 @@ def material_of(bpy, name, kind, output, **properties):
     return material, node
 
 
-def add_sky(bpy, items):
-    """Gives the world a sky without a disc."""
-    tree = bpy.context.scene.world.node_tree
-    items["sky"] = tree.nodes.new("ShaderNodeTexSky")
-    items["sky"].sun_disc = False
-    tree.links.new(items["sky"].outputs[0], tree.nodes["Background"].inputs["Color"])
-
-
 def add_numbered_images(bpy, items, folder):
     """Gives one object an image sequence and another a tiled image."""
     for number in range(1, 7):
@@ -232,7 +224,6 @@ def stage(bpy, camera, link, tmp_path, openvdb):
     items["smoke"].location.z = 0.3
     items["material"], items["texture"] = material, texture
     items["facing"] = link("Facing", grid_mesh(bpy, "Facing", 1))
-    add_sky(bpy, items)
     add_numbered_images(bpy, items, tmp_path)
     add_properties(bpy, items)
     return items
@@ -380,6 +371,13 @@ def tile_added(bpy, s):
     s["skin"].image.tiles.new(1011)
 
 
+def sky_added(bpy, s):
+    tree = bpy.context.scene.world.node_tree
+    s["sky"] = tree.nodes.new("ShaderNodeTexSky")
+    s["sky"].sun_disc = False
+    tree.links.new(s["sky"].outputs[0], tree.nodes["Background"].inputs["Color"])
+
+
 def sky_parameter(bpy, s):
     s["sky"].sun_elevation = 0.2
 
@@ -475,7 +473,6 @@ EDITS = {  # edit -> meshes whose shape changes
     sequence_rewritten: set(),
     tile_reloaded: set(),
     tile_added: set(),
-    sky_parameter: set(),
     property_of_object: set(),
     property_of_view_layer: set(),
     lamp_energy: set(),
@@ -490,6 +487,8 @@ EDITS = {  # edit -> meshes whose shape changes
     volume_moved: set(),
     next_frame: set(),
     glows: set(),
+    sky_added: set(),
+    sky_parameter: set(),
 }
 
 
