@@ -21,7 +21,7 @@ int modes_of(Op op) {
         case Op::image_alpha:
         case Op::environment:
         case Op::environment_mirror_ball:
-            return 12;
+            return 15;
         case Op::noise:
             return 5 * 16;
         case Op::voronoi:
@@ -77,6 +77,10 @@ struct Parameters {
         const bool ramp = op == Op::ramp || op == Op::ramp_alpha;
         i.parameter = ramp ? table : op == Op::transform ? matrix : op == Op::brick ? wall : zero;
         i.mode = ramp ? kTableEntries - 1 : random.below(modes_of(op));
+        if ((reads_image(op) || op == Op::gabor || op == Op::convert_space) && (i.mode & 3) == 3)
+            i.mode -= 1;  // two bits that count to 2
+        if (op == Op::convert_space && (i.mode >> 2 & 3) == 3)
+            i.mode -= 1 << 2;
     }
 };
 
