@@ -94,9 +94,10 @@ float map_range(float a, Vec3f from, Vec3f to, std::int32_t mode) {
 }
 
 Vec3f transform(const float* m, Vec3f a, bool vector) {
-    const float w = vector ? 0.0f : 1.0f;
-    return {m[0] * a.x + m[1] * a.y + m[2] * a.z + m[3] * w, m[4] * a.x + m[5] * a.y + m[6] * a.z + m[7] * w,
-            m[8] * a.x + m[9] * a.y + m[10] * a.z + m[11] * w};
+    const auto row = [&](const float* r) {
+        return r[0] * a.x + r[1] * a.y + r[2] * a.z + (vector ? 0 : r[3]);  // which may be no number
+    };
+    return {row(m), row(m + 4), row(m + 8)};
 }
 
 // --- Textures
@@ -134,8 +135,8 @@ Rgb environment(const Step& step, Vec3f d) {
 // ----------------------------------------------------------------------------------------
 
 Vec3f grid(const Step& step, Vec3f a) {
-    if (!step.point.volume)
-        return Vec3f(0);
+    if (!step.point.volume || !is_finite(a))
+        return Vec3f(0);  // a grid is nowhere out there
     // Far from the world's origin a position is coarse; a grid that is read at the point itself is not.
     const Vec3f origin = step.context.origin;
     const Vec3f p = a == step.point.p + origin ? step.point.p : a - origin;

@@ -41,7 +41,8 @@ Vec3f box_weights(Vec3f normal, float blend) {
             return two;
         }
     }
-    return (n * (2 - limit) + Vec3f(limit - 1)) / (2 * limit - 1);
+    const Vec3f three = (n * (2 - limit) + Vec3f(limit - 1)) / blend;
+    return {clamp01(three.x), clamp01(three.y), clamp01(three.z)};  // a tiny blend amplifies rounding
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ Vec2f tube_projection(Vec3f p) {
 }
 
 Vec3f box_projection(Vec3f p, Vec3f normal, int axis, float blend) {
-    const float weight = box_weights(normal, blend)[axis];
+    const float weight = box_weights(normal, blend > 0 ? std::min(blend, 1.0f) : 0)[axis];
     const auto flipped = [](bool flip, float x) { return flip ? 1 - x : x; };
     if (axis == 0)
         return {flipped(normal.x < 0, p.y), p.z, weight};
