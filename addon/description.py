@@ -110,11 +110,12 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Instance:
-    """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for none:
-    a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA; pass_index:
-    object's. dielectric_priority: where objects with one overlap, only that of the highest is there; 0 takes
-    no part. motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter; None
-    where it stands still."""
+    """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for
+    none: a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA;
+    pass_index: object's. dielectric_priority: where objects with one overlap, only that of the highest is
+    there; 0 takes no part. properties: (N, 4) numbers by which shaders read attributes of the object.
+    motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter; None where
+    it stands still."""
 
     name: str
     mesh: int
@@ -125,6 +126,7 @@ class Instance:
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
     dielectric_priority: int = 0
+    properties: tuple = ()
     motion: Array | None = None
 
 

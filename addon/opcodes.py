@@ -29,18 +29,36 @@ OPCODES = {
     "object_color": "object's viewport colour",
     "object_random": "random number in [0,1] of the instance",
     "object_index": "object's pass index",
+    "object_alpha": "alpha of the object's viewport colour",
+    "object_attribute": "property number `mode` of the object, RGB; (0, 0, 0) where absent",
+    "object_attribute_alpha": "property number `mode` of the object, alpha",
+    "ray_history": "what led the ray here; mode: index into RAY_HISTORY",
+    "parametric": "barycentric coordinates of the first two corners of the triangle, (u, v, 0)",
+    "uv_tangent": "unit direction in which u of UV map number `mode` grows, world space; (0, 0, 0) where absent",
     "attribute": "mesh attribute number `mode`, RGB",
     "attribute_alpha": "mesh attribute number `mode`, alpha",
     # -- textures
-    "image": "image number parameters[0] at a.xy; RGB. mode: bit 0 closest, bits 1-2 extension 0 repeat 1 extend 2 clip 3 mirror",
+    "image": "image number parameters[0] at a.xy; RGB. mode: bits 0-1 0 linear 1 closest 2 cubic, "
+    "bits 2-3 extension 0 repeat 1 extend 2 clip 3 mirror",
     "image_alpha": "as image; the alpha channel",
     "environment": "image number parameters[0] seen in direction a, equirectangular; RGB",
     "environment_mirror_ball": "image number parameters[0] seen in direction a, mirror ball; RGB",
+    "sphere_projection": "image coordinates of point a seen from the middle of the unit cube, by longitude and latitude",
+    "tube_projection": "image coordinates of point a by longitude and height",
     "checker": "b where the checker of point a, scale d.x, is odd, else c",
     "checker_fac": "1 where the checker of point a, scale d.x, is odd, else 0",
     "grid": "volumes: grid number `mode` of the closure at point a, world space; a scalar grid fills all channels; 0 elsewhere",
-    "noise": "Perlin fractal (fBM) at point a * b.x; c = (detail, roughness, lacunarity); d.x = distortion; "
-    "mode: bit 0 colour, bit 1 normalize, bits 2-3 dimensions 0 3D 1 2D 2 1D",
+    "noise": "Perlin fractal at point a, w b.y, both scaled by b.x; offset b.z; c = (detail, roughness, lacunarity); "
+    "d = (distortion, gain); mode: bit 0 colour, bit 1 normalize, bits 2-3 dimensions 0 3D 1 2D 2 1D 3 4D, "
+    "bits 4-6 index into NOISE_TYPES",
+    "voronoi": "cells at point a, w b.y, both scaled by b.x; exponent b.z; c = (detail, roughness, lacunarity); "
+    "d = (smoothness, randomness); mode: bits 0-1 output 0 distance or radius 1 colour 2 position 3 w, bits 2-3 "
+    "dimensions as of noise, bits 4-5 index into VORONOI_METRICS, bit 6 normalize, bits 7-9 index into VORONOI_FEATURES",
+    "white_noise": "hash of point a, w b.x; mode: bit 0 colour, bits 1-2 dimensions as of noise",
+    "gabor": "Gabor noise at point a; b = (frequency, anisotropy, orientation in 2D); c orientation in 3D; "
+    "mode: bits 0-1 output 0 value 1 phase 2 intensity, bit 2 3D",
+    "brick": "(share of the second colour, mortar, 0) at point a; b = (mortar size, smoothness, bias); "
+    "c = (brick width, row height); parameters offset, squash, and every how many rows each",
     "gradient": "gradient of point a; mode 0 linear 1 quadratic 2 easing 3 diagonal 4 spherical 5 quadratic sphere 6 radial",
     "ramp": "table of 3 x 257 RGB (mode entries minus one) at parameter, interpolated linearly at a.x in [0,1]",
     "ramp_alpha": "as ramp for a table of scalars",
@@ -106,14 +124,25 @@ OPCODES = {
     "rgb_to_hsl": "HSL of a",
     "hsl_to_rgb": "RGB of a",
     "hue_saturation": "a with hue b.x, saturation b.y, value b.z, by factor c.x",
-    "bright_contrast": "a with brightness b.x and contrast b.y",
+    "bright_contrast": "a with brightness b.x and contrast c.x",
     "gamma": "a ^ b.x where a > 0",
     "invert": "a mixed with 1 - a by b.x",
     "blackbody": "Rec. 709 colour of a blackbody at a.x kelvin, luminance 1",
     "fresnel": "dielectric Fresnel reflectance for ior a.x at normal b",
     "layer_weight": "mode 0 Fresnel, 1 facing; blend a.x, normal b",
+    "convert_space": "a from one space to another; mode: bits 0-1 from, bits 2-3 to 0 world 1 object 2 camera, "
+    "bits 4-5 0 point 1 vector 2 normal",
+    "box_projection": "(u, v, weight) of an image on the faces of a cube across axis `mode` at point a with normal b, "
+    "both in object space; the parameter blends faces",
+    "bump": "normal c bent by the heights a = (here, one pixel along x, along y); b = (strength, distance, width of "
+    "the step in pixels)",
+    "wireframe": "1 within half of a.x of an edge of the triangle; mode 1: a.x counts pixels",
     "normal_map": "tangent-space colour a, strength b.x, UV map number `mode`; world normal",
 }
+
+NOISE_TYPES = ("fbm", "multifractal", "hybrid_multifractal", "ridged_multifractal", "hetero_terrain")
+VORONOI_FEATURES = ("f1", "f2", "smooth_f1", "distance_to_edge", "n_sphere_radius")
+VORONOI_METRICS = ("euclidean", "manhattan", "chebychev", "minkowski")
 
 BLEND_MODES = (
     "mix", "darken", "multiply", "burn", "lighten", "screen", "dodge", "add", "overlay", "soft_light",
@@ -140,6 +169,31 @@ CLOSURES = {
     "plastic": ("color", "roughness", "ior", "nonlinear", "normal"),
     "medium": ("sigma_s", "sigma_a", "emission", "phase_a", "phase_b"),
 }  # fmt: skip
+
+# What "ray_history" tells, by mode: length since the last bounce in metres, numbers of bounces, and whether the last
+# one was off a perfectly sharp lobe.
+RAY_HISTORY = ("length", "depth", "diffuse", "glossy", "transmission", "transparent", "singular")
+
+# Spaces of "convert_space".
+SPACES = ("world", "object", "camera")
+
+# Inputs that vary over a surface: their mode counts from SHIFT on where they are read a step beside the point, for
+# bump: once SHIFT along the tangent plane's x, twice along its y. The step is the parameter, in pixels.
+SHIFTABLE = {
+    "uv", "generated", "object_coordinate", "camera_coordinate", "window_coordinate", "position", "attribute",
+    "attribute_alpha", "parametric",
+}  # fmt: skip
+SHIFT = 1 << 16
+
+# Operations that read more than their operands and the point, by what: images by the number parameters[0]; UV maps,
+# mesh attributes and objects' properties by the number in the mode; and the camera, as all shifted ones do, too.
+READS = {
+    "image": ("image", "image_alpha", "environment", "environment_mirror_ball"),
+    "uv": ("uv", "uv_tangent", "normal_map"),
+    "attribute": ("attribute", "attribute_alpha"),
+    "property": ("object_attribute", "object_attribute_alpha"),
+    "camera": ("camera_coordinate", "window_coordinate", "convert_space", "bump", "wireframe"),
+}
 
 # Bits of a ray's kind, as "ray_is" tests them and as visibility masks count them.
 RAY_KINDS = ("camera", "diffuse", "glossy", "transmission", "volume", "shadow")

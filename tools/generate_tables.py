@@ -101,15 +101,36 @@ def name_array(variable, names):
     return f"inline constexpr const char* {variable}[] = {{\n{textwrap.indent(rows, '    ')},\n}};"
 
 
+def predicate(name, operations):
+    """Returns the lines of a function that tells whether an operation is one of these."""
+    cases = [f"        case Op::{identifier(operation)}:" for operation in operations]
+    return [
+        f"constexpr bool {name}(Op op) {{",
+        "    switch (op) {",
+        *cases,
+        "            return true;",
+        "        default:",
+        "            return false;",
+        "    }",
+        "}",
+    ]
+
+
 def opcodes_header(opcodes):
-    """Returns opcodes_table.h: Op, ClosureKind, the closures' input indices, BlendMode, Distribution,
-    PhaseKind."""
+    """Returns opcodes_table.h: Op and what operations read, ClosureKind, the closures' input indices,
+    BlendMode, Distribution, PhaseKind."""
     input_counts = ", ".join(str(len(inputs)) for inputs in opcodes.CLOSURES.values())
     body = [
         "/// Operation of an instruction. What each one writes: addon/opcodes.py.",
         *enumeration("enum class Op : int", opcodes.OPCODES),
         f"inline constexpr int kOpCount = {len(opcodes.OPCODES)};",
         name_array("kOpNames", opcodes.OPCODES),
+        "",
+        "/// What operations read beyond their operands and the point: addon/opcodes.py, READS.",
+        *(line for kind, names in opcodes.READS.items() for line in predicate(f"reads_{kind}", names)),
+        "/// Whether the mode counts from kShift on where the operation is to read beside the point.",
+        f"inline constexpr int kShift = {opcodes.SHIFT};",
+        *predicate("is_shiftable", (name for name in opcodes.OPCODES if name in opcodes.SHIFTABLE)),
         "",
         *enumeration("enum class BlendMode : int", opcodes.BLEND_MODES),
         f"inline constexpr int kBlendModeCount = {len(opcodes.BLEND_MODES)};",
@@ -136,6 +157,7 @@ def opcodes_header(opcodes):
         "/// Kinds of rays, in the order of RayKind's bits (base/surface.h).",
         f"inline constexpr int kRayKindCount = {len(opcodes.RAY_KINDS)};",
         name_array("kRayKindNames", opcodes.RAY_KINDS),
+        f"inline constexpr int kRayHistoryCount = {len(opcodes.RAY_HISTORY)};",
         "",
         "/// Phase functions; the meaning of their parameters: addon/opcodes.py.",
         *enumeration("enum class PhaseKind : int", opcodes.PHASES),

@@ -48,7 +48,7 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
         volumes=tuple(objects.volumes),
         materials=tuple(needs.renumbered(material, places) for material in context.materials),
         images=context.read_images(images),
-        lights=tuple(objects.lights),
+        lights=(*objects.lights, *context.sky_lights),
         world=needs.renumbered(world, places),
         warnings=tuple(context.warnings),
         shutter=shutter(context.scene.render) if motion else (0.0, 0.0),

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What one export shares: warnings, images, materials, and the numbers of UV maps and attributes."""
+"""What one export shares: warnings, images, materials, and the numbers of what programs read."""
 
 import contextlib
 import dataclasses
 
 from .. import description
 from .cache import ExportCache
-from .images import kept_image
+from .images import kept_image, kept_sky
 from .materials import kept_material
+from .properties import view_layer_attribute
 
 
 class ExportError(ValueError):
@@ -16,17 +17,12 @@ class ExportError(ValueError):
 
 @dataclasses.dataclass
 class Record:
-    """What was asked of a Context. asked: (kind, name, number) of UV maps and attributes. notes: warnings.
-    images: whether for one."""
+    """What was asked of a Context. asked: (kind, name, answer) of UV maps, attributes, properties and values
+    of the view layer. notes: warnings. images: whether for one."""
 
     asked: list = dataclasses.field(default_factory=list)
     notes: list = dataclasses.field(default_factory=list)
     images: bool = False
-
-
-def _number(numbers, name):
-    """Returns the number of a name, the next one where it has none."""
-    return numbers.setdefault(name, len(numbers))
 
 
 class Context:
@@ -42,10 +38,11 @@ class Context:
         self.view_layer = depsgraph.view_layer_eval
         self.warnings = []
         self.materials = []  # description.Material by number
-        self._images = []  # (Blender's image, text naming the node that uses it, block of that) by number
-        self._uv_numbers = {"": 0}  # UV map name -> number; "" is a mesh's active one
-        self._attribute_numbers = {}
-        self._image_numbers = {}
+        self.sky_lights = []  # description.Light that the world's nodes make
+        self._images = []  # function that returns the description.Image, by number
+        # What programs ask for -> number, by kind. The UV map "" is a mesh's active one.
+        self._numbers = {"uv": {"": 0}, "attribute": {}, "property": {}}
+        self._image_numbers = {}  # key of an ImageUse or of a sky -> number
         self._known_materials = {}  # (name, grids) -> (number, UV maps, attributes)
 
     def warn(self, text):
@@ -64,36 +61,63 @@ class Context:
     def ask_again(self, asked):
         """Asks for what a Record says was asked for; returns whether the same numbers are given. If not, none
         is."""
-        uvs, attributes = dict(self._uv_numbers), dict(self._attribute_numbers)
-        kinds = {"uv": uvs, "attribute": attributes}
-        if any(_number(kinds[kind], name) != number for kind, name, number in asked):
-            return False
-        self._uv_numbers, self._attribute_numbers = uvs, attributes
-        return True
+        before = {kind: dict(numbers) for kind, numbers in self._numbers.items()}
+        if all(self._answer(kind, name) == answer for kind, name, answer in asked):
+            return True
+        self._numbers = before
+        return False
+
+    def _ask(self, kind, name):
+        answer = self._answer(kind, name)
+        self._record.asked.append((kind, name, answer))
+        return answer
+
+    def _answer(self, kind, name):
+        if kind == "view layer":
+            return view_layer_attribute(self.view_layer, self.scene, name)
+        numbers = self._numbers[kind]
+        return numbers.setdefault(name, len(numbers))
 
     def uv_number(self, name):
-        number = _number(self._uv_numbers, name)
-        self._record.asked.append(("uv", name, number))
-        return number
+        return self._ask("uv", name)
 
     def attribute_number(self, name):
-        number = _number(self._attribute_numbers, name)
-        self._record.asked.append(("attribute", name, number))
-        return number
+        return self._ask("attribute", name)
 
-    def image_number(self, image, user):
-        """Returns the number of Blender's `image`, which read_images() may read later. user: text naming the
+    def property_number(self, key):
+        """Returns the number of a property of objects. key: see properties.py."""
+        return self._ask("property", key)
+
+    def property_keys(self, numbers):
+        """Returns the keys of these properties by number, up to the last; None for others."""
+        keys = [key if number in numbers else None for key, number in self._numbers["property"].items()]
+        return keys[: max(numbers, default=-1) + 1]
+
+    def view_layer_value(self, name):
+        """Returns the (3,) colour that attribute `name` of the view layer, or else of the scene, has."""
+        return self._ask("view layer", name)
+
+    def image_number(self, use, user):
+        """Returns the number of an images.ImageUse, which read_images() may read later. user: text naming the
         node that uses it."""
+        block = self.block
+        return self._image_number(use.key, lambda: kept_image(use, user, block, self))
+
+    def sky_number(self, settings, pixels):
+        """Returns the number of the picture of a sky (nodes_sky.py), which its settings determine."""
+        return self._image_number(("sky", settings), lambda: kept_sky(settings, pixels, self.cache))
+
+    def _image_number(self, key, read_image):
         self._record.images = True
-        if image.name_full not in self._image_numbers:
-            self._image_numbers[image.name_full] = len(self._images)
-            self._images.append((image, user, self.block))
-        return self._image_numbers[image.name_full]
+        if key not in self._image_numbers:
+            self._image_numbers[key] = len(self._images)
+            self._images.append(read_image)
+        return self._image_numbers[key]
 
     def read_images(self, numbers):
         """Returns the description.Images of these numbers; magenta, with a warning, where one cannot be
         read."""
-        return tuple(kept_image(*self._images[number], self) for number in numbers)
+        return tuple(self._images[number]() for number in numbers)
 
     def material_number(self, material, grids=None):
         """Returns (number, UV maps, attributes) of Blender's `material`; -1 for None.

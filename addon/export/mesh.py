@@ -9,6 +9,8 @@ since the last export is not read again, or found to be the same and then the sa
 import numpy as np
 
 from .. import description
+from .mesh_shape import island_random, pointiness
+from .properties import ISLAND_RANDOM, POINTINESS
 
 # (data type of an attribute, RNA property, components)
 ATTRIBUTE_READERS = {
@@ -157,11 +159,10 @@ class MeshRecord:
         for name, number in uvs.items():
             if number not in self._uvs:
                 layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
-                self._uvs[number] = self._layer("uvs", layer, self._read_uv)
+                self._uvs[number] = self._layer_of("uvs", layer, self._read_uv)
         for name, number in attributes.items():
             if number not in self._attributes:
-                layer = self._mesh.attributes.get(name) if name else self._active_color()
-                self._attributes[number] = self._layer("attributes", layer, self._read_attribute)
+                self._attributes[number] = self._require_attribute(name)
 
     def _require_normals(self):
         self._has_surface = True
@@ -170,15 +171,23 @@ class MeshRecord:
             self.arrays.take("corner_normals", normals, self._before)
             self.arrays.has_normals = True
 
-    def _layer(self, kind, layer, read_layer):
-        """Returns the name of a layer, once it is among the arrays; None of None."""
-        if layer is None:
-            return None
+    def _require_attribute(self, name):
+        if name in (POINTINESS, ISLAND_RANDOM):
+            return self._layer("attributes", name, lambda: self._read_shape(name))
+        layer = self._mesh.attributes.get(name) if name else self._active_color()
+        return self._layer_of("attributes", layer, self._read_attribute)
+
+    def _layer_of(self, kind, layer, read_layer):
+        """Returns the name of a layer of Blender's, once it is among the arrays; None of None."""
+        return None if layer is None else self._layer(kind, layer.name, lambda: read_layer(layer))
+
+    def _layer(self, kind, name, read_layer):
+        """Returns `name`, once the layer called so is among the arrays."""
         layers = getattr(self.arrays, kind)
-        if layer.name not in layers:
-            before = getattr(self._before, kind).get(layer.name) if self._before else None
-            layers[layer.name] = same_or(read_layer(layer), before)
-        return layer.name
+        if name not in layers:
+            before = getattr(self._before, kind).get(name) if self._before else None
+            layers[name] = same_or(read_layer(), before)
+        return name
 
     def _active_uv(self):
         """Returns the UV map marked for rendering, or None."""
@@ -192,6 +201,17 @@ class MeshRecord:
 
     def _read_uv(self, layer):
         return read(layer.uv, "vector", 2)[self.corners]
+
+    def _read_shape(self, name):
+        """Returns (T, 3, 4) of an attribute that follows from the mesh's shape."""
+        arrays, edges = self.arrays, read(self._mesh.edges, "vertices", 2, np.int32)
+        if name == POINTINESS:
+            values = pointiness(arrays.positions, read(self._mesh.vertex_normals, "vector", 3), edges)
+        else:
+            values = island_random(len(arrays.positions), edges)
+        rgba = np.ones((len(values), 4), np.float32)
+        rgba[:, :3] = values[:, None]
+        return rgba[arrays.triangles]
 
     def _read_attribute(self, attribute):
         """Returns (T, 3, 4) float32: numbers repeated over RGB, vectors padded with 0, alpha 1 where

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What finished programs read: images, UV maps and attributes that no program reads are not exported.
+"""What finished programs read: images, UV maps, attributes and properties that no program reads are not
+exported.
 
 While node trees are compiled, more is named than is read in the end: a branch of weight 0 is left out.
 """
@@ -11,31 +12,29 @@ import numpy as np
 from .. import opcodes
 
 OPS = list(opcodes.OPCODES)
-IMAGE_OPS = [OPS.index(name) for name in ("image", "image_alpha", "environment", "environment_mirror_ball")]
-UV_OPS = [OPS.index(name) for name in ("uv", "normal_map")]
-ATTRIBUTE_OPS = [OPS.index(name) for name in ("attribute", "attribute_alpha")]
+READERS = {kind: [OPS.index(name) for name in names] for kind, names in opcodes.READS.items()}
 PARAMETER, MODE = 6, 7  # columns of an instruction
 
 
 def layers_read(program, uvs, attributes):
     """Returns the parts of `uvs` and `attributes` (name -> number) that the program reads."""
 
-    def read(layers, ops):
-        numbers = set(program.code[np.isin(program.code[:, 0], ops), MODE].tolist())
+    def read(layers, kind):
+        numbers = _numbers_in_mode(program, kind)
         return {name: number for name, number in layers.items() if number in numbers}
 
-    return read(uvs, UV_OPS), read(attributes, ATTRIBUTE_OPS)
+    return read(uvs, "uv"), read(attributes, "attribute")
 
 
 def images_read(materials, world):
     """Returns the numbers of the images that the programs of materials and world read, in order."""
-    programs = [
-        program
-        for block in (*materials, world)
-        for program in (_surface(block), *(closure.program for closure in block.volume))
-        if program is not None
-    ]
+    programs = _programs((*materials, world))
     return sorted({number for program in programs for number in _image_numbers(program).tolist()})
+
+
+def properties_read(materials):
+    """Returns the set of the numbers of objects' properties that the programs of materials read."""
+    return set().union(*(_numbers_in_mode(program, "property") for program in _programs(materials)))
 
 
 def renumbered(block, places):
@@ -54,12 +53,29 @@ def renumbered(block, places):
     return dataclasses.replace(block, **{field: surface}, volume=volume)
 
 
+def _programs(blocks):
+    """Returns the programs of Materials and Worlds."""
+    return [
+        program
+        for block in blocks
+        for program in (_surface(block), *(closure.program for closure in block.volume))
+        if program is not None
+    ]
+
+
+def _numbers_in_mode(program, kind):
+    """Returns the set of the numbers of what a program reads of a kind of READERS that has them in the
+    mode."""
+    modes = program.code[np.isin(program.code[:, 0], READERS[kind]), MODE]
+    return set((modes % opcodes.SHIFT).tolist())
+
+
 def _surface(block):
     return block.surface if hasattr(block, "surface") else block.background
 
 
 def _image_rows(program):
-    return np.flatnonzero(np.isin(program.code[:, 0], IMAGE_OPS))
+    return np.flatnonzero(np.isin(program.code[:, 0], READERS["image"]))
 
 
 def _image_numbers(program):

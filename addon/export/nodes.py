@@ -4,15 +4,33 @@
 import bpy
 
 from .. import description
-from . import nodes_color, nodes_input, nodes_math, nodes_texture, nodes_volume_input
+from . import (
+    nodes_color,
+    nodes_input,
+    nodes_math,
+    nodes_normal,
+    nodes_procedural,
+    nodes_sky,
+    nodes_texture,
+    nodes_volume_input,
+)
 from .needs import layers_read
 from .nodes_closure import compile_closures
+from .nodes_normal import displaced_normal
 from .nodes_program import ONE, ProgramTooLarge, constant
 from .nodes_tree import Compiler, relay, upstream
 from .nodes_volume import compile_volume
 from .nodes_volume_input import VolumeCompiler
 
-HANDLERS = nodes_input.HANDLERS | nodes_math.HANDLERS | nodes_color.HANDLERS | nodes_texture.HANDLERS
+HANDLERS = (
+    nodes_input.HANDLERS
+    | nodes_normal.HANDLERS
+    | nodes_math.HANDLERS
+    | nodes_color.HANDLERS
+    | nodes_procedural.HANDLERS
+    | nodes_texture.HANDLERS
+    | nodes_sky.HANDLERS
+)
 VOLUME_HANDLERS = HANDLERS | nodes_volume_input.HANDLERS
 
 
@@ -54,8 +72,10 @@ def compile_material(material, context, grids=None):
     if output is None:
         context.warn(f"{owner}: has no active Material Output node; it is rendered black")
         return description.Material(material.name, description.Program()), {}, {}
-    if upstream(output.inputs["Displacement"]) is not None:
-        compiler.warn(output, "displacement is not supported; the surface stays as it is")
+    if upstream(output.inputs["Displacement"]) is not None and grids is None:
+        if material.displacement_method != "BUMP":
+            compiler.warn(output, "true displacement is not supported; it is rendered as bump")
+        compiler.default_normal = displaced_normal(compiler, output.inputs["Displacement"])
     volume = compile_volume(
         VolumeCompiler(owner, context, VOLUME_HANDLERS, grids, material.pass_index), output.inputs["Volume"]
     )
@@ -83,7 +103,10 @@ def compile_world(world, context):
         context.warn(f"{owner}: has no active World Output node; it is black")
         return description.World()
     volume = compile_volume(VolumeCompiler(owner, context, VOLUME_HANDLERS, None), output.inputs["Volume"])
+    compiler.plain_sky, _ = nodes_sky.plain_sky(output)
     compile_closures(compiler, output.inputs["Surface"], ())
+    sun = nodes_sky.sun_lamp(output)
+    context.sky_lights += [] if sun is None else [sun]
     program = finished(compiler)
     return description.World(background=program if program.closures else None, volume=volume)
 

@@ -2,8 +2,8 @@
 """Closure nodes of surfaces, the world and lights: shader trees become weighted closures of the program."""
 
 from ..opcodes import CLOSURES, DISTRIBUTIONS
-from .nodes_input import normal_input
 from .nodes_math import clamp01
+from .nodes_normal import normal_input
 from .nodes_program import ONE, ZERO, constant
 from .nodes_tree import relay, upstream
 

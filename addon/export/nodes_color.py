@@ -5,7 +5,8 @@ import numpy as np
 
 from ..opcodes import BLEND_MODES
 from .nodes_math import clamp01
-from .nodes_program import ZERO, constant
+from .nodes_program import ONE, ZERO, constant
+from .wavelength import FIRST_NM, LAST_NM, spectrum
 
 TABLE = 257  # entries of a baked ramp
 
@@ -146,6 +147,20 @@ def blackbody(c, node, output, path):
     return c.emit("blackbody", c.input(node, "Temperature", path))
 
 
+def wavelength(c, node, output, path):
+    step = constant(1 / (LAST_NM - FIRST_NM))
+    nanometres = c.input(node, "Wavelength", path)
+    place = c.emit("multiply", c.emit("subtract", nanometres, constant(FIRST_NM)), step)
+    colors = spectrum()
+    visible = c.emit(
+        "maximum", c.emit("ramp", place, parameters=np.ravel(colors), mode=len(colors) - 1), ZERO
+    )
+    within = c.emit(
+        "multiply", c.emit("less_than", place, ONE), c.emit("subtract", ONE, c.emit("less_than", place, ZERO))
+    )
+    return c.emit("multiply", visible, within)
+
+
 def rgb_to_bw(c, node, output, path):
     return c.emit("luminance", c.input(node, "Color", path))
 
@@ -178,6 +193,7 @@ HANDLERS = {
     "INVERT": invert,
     "INVERT_COLOR": invert,
     "BLACKBODY": blackbody,
+    "WAVELENGTH": wavelength,
     "RGBTOBW": rgb_to_bw,
     "SEPARATE_COLOR": separate_color,
     "COMBINE_COLOR": combine_color,

@@ -3,8 +3,10 @@
 
 import numpy as np
 
-from ..opcodes import RAY_KINDS
+from ..opcodes import RAY_HISTORY, RAY_KINDS
+from .nodes_normal import normal_or_shading, radial_tangent
 from .nodes_program import ONE, ZERO, constant
+from .properties import INSTANCER, ISLAND_RANDOM, POINTINESS, particle_property
 from .space import matrix4
 
 
@@ -23,8 +25,8 @@ COORDINATES = {
 
 
 def texture_coordinate(c, node, output, path):
-    if node.from_instancer:
-        c.warn(node, "From Instancer is not supported; the object's own coordinates are used")
+    if output.identifier in INSTANCER and node.from_instancer and c.scope == "material":
+        return c.emit("object_attribute", mode=c.property(INSTANCER[output.identifier]))
     if output.identifier == "UV":
         return c.emit("uv", mode=c.uv(""))
     if output.identifier == "Object":
@@ -36,8 +38,8 @@ def texture_coordinate(c, node, output, path):
 
 
 def uv_map(c, node, output, path):
-    if node.from_instancer:
-        c.warn(node, "From Instancer is not supported; the object's own UV map is used")
+    if node.from_instancer and c.scope == "material":
+        return c.emit("object_attribute", mode=c.property(INSTANCER["UV"]))
     return c.emit("uv", mode=c.uv(node.uv_map))
 
 
@@ -46,14 +48,24 @@ GEOMETRY = {
     "Normal": "normal",
     "True Normal": "geometric_normal",
     "Incoming": "incoming",
+    "Parametric": "parametric",
     "Backfacing": "backfacing",
 }
+DERIVED = {
+    "Pointiness": POINTINESS,
+    "Random Per Island": ISLAND_RANDOM,
+}  # attributes that the exporter computes
 
 
 def geometry(c, node, output, path):
-    if output.identifier not in GEOMETRY:
-        c.warn(node, f"output '{output.name}' is not supported; what it feeds falls back")
-        return None
+    if output.identifier == "Tangent":
+        return radial_tangent(c, 2)
+    if output.identifier in DERIVED:
+        return (
+            c.emit("attribute", mode=c.attribute(DERIVED[output.identifier]))
+            if c.scope == "material"
+            else ZERO
+        )
     return c.emit(GEOMETRY[output.identifier])
 
 
@@ -66,33 +78,49 @@ def camera_data(c, node, output, path):
     )
 
 
+OBJECT_INFO = {
+    "Location": "object_location",
+    "Color": "object_color",
+    "Alpha": "object_alpha",
+    "Object Index": "object_index",
+    "Random": "object_random",
+}
+
+
 def object_info(c, node, output, path):
-    operations = {
-        "Location": "object_location",
-        "Color": "object_color",
-        "Object Index": "object_index",
-        "Random": "object_random",
-    }
     if output.identifier == "Material Index":
         return constant(c.pass_index)
-    if output.identifier not in operations:
-        c.warn(node, f"output '{output.name}' is not supported; what it feeds falls back")
-        return None
-    return c.emit(operations[output.identifier])
+    return c.emit(OBJECT_INFO[output.identifier])
+
+
+def particle_info(c, node, output, path):
+    return c.emit("object_attribute", mode=c.property(particle_property(output.identifier)))
+
+
+def hair_info(c, node, output, path):
+    return ZERO  # what is no strand has none of it
 
 
 def attribute(c, node, output, path):
-    if node.attribute_type != "GEOMETRY":
-        c.warn(
-            node,
-            f"attributes of type {node.attribute_type.title()} are not supported; "
-            f"'{node.attribute_name}' is 0",
-        )
+    kind, name = node.attribute_type, node.attribute_name
+    if kind == "VIEW_LAYER":
+        return _selected(output, lambda: constant(c.context.view_layer_value(name)), c)
+    if c.scope not in ("material", "volume") or not name:
+        c.warn(node, f"there is no attribute '{name}' here; it is 0")
         return ZERO
-    if c.scope != "material" or not node.attribute_name:
-        c.warn(node, f"there is no attribute '{node.attribute_name}' here; it is 0")
-        return ZERO
-    return _read_attribute(c, node.attribute_name, output)
+    if kind == "GEOMETRY":
+        return _read_attribute(c, name, output)
+    number = c.property((kind, name))
+    if output.identifier == "Alpha":
+        return c.emit("object_attribute_alpha", mode=number)
+    return _selected(output, lambda: c.emit("object_attribute", mode=number), c)
+
+
+def _selected(output, read, c):
+    """Returns what an output of Attribute makes of the colour that `read` gives; its alpha is 1."""
+    if output.identifier == "Alpha":
+        return ONE
+    return c.emit("average", read()) if output.identifier == "Fac" else read()
 
 
 def color_attribute(c, node, output, path):
@@ -118,68 +146,55 @@ LIGHT_PATH = {
 }
 
 
+HISTORY = {
+    "Is Singular Ray": "singular",
+    "Ray Length": "length",
+    "Ray Depth": "depth",
+    "Diffuse Depth": "diffuse",
+    "Glossy Depth": "glossy",
+    "Transparent Depth": "transparent",
+    "Transmission Depth": "transmission",
+}
+
+
 def light_path(c, node, output, path):
-    if output.identifier not in LIGHT_PATH:
-        c.warn(node, f"output '{output.name}' is not supported; it is 0")
+    if output.identifier in LIGHT_PATH:
+        return c.emit("ray_is", mode=LIGHT_PATH[output.identifier])
+    if output.identifier == "Portal Depth":
+        return ZERO  # there are no portals
+    if c.scope == "volume":
+        c.warn(node, f"output '{output.name}' is not supported in volumes; it is 0")
         return ZERO
-    return c.emit("ray_is", mode=LIGHT_PATH[output.identifier])
+    return c.emit("ray_history", mode=RAY_HISTORY.index(HISTORY[output.identifier]))
 
 
-def normal_input(c, node, identifier, path):
-    """Returns the Value of a normal input, or None where nothing is linked (the shading normal)."""
-    return c.input(node, identifier, path) if c.is_linked(node, identifier, path) else None
-
-
-def _normal_or_shading(c, node, path):
-    normal = normal_input(c, node, "Normal", path)
-    return c.emit("normal") if normal is None else normal
+def light_falloff(c, node, output, path):
+    """Strength times the power of the distance that makes the light fall off so: none, once or twice."""
+    strength, smooth = c.input(node, "Strength", path), c.input(node, "Smooth", path)
+    if c.scope != "material":
+        if output.identifier != "Quadratic" or not smooth.is_zero:
+            c.warn(
+                node, f"output '{output.name}' is supported on surfaces only; the light falls off as usual"
+            )
+        return strength
+    distance = c.emit("ray_history", mode=RAY_HISTORY.index("length"))
+    square = c.emit("multiply", distance, distance)
+    powers = {"Quadratic": ONE, "Linear": distance, "Constant": square}
+    softened = c.emit("divide", square, c.emit("add", smooth, square)) if not smooth.is_zero else ONE
+    return c.emit("multiply", c.emit("multiply", strength, powers[output.identifier]), softened)
 
 
 def fresnel(c, node, output, path):
-    return c.emit("fresnel", c.input(node, "IOR", path), _normal_or_shading(c, node, path))
+    return c.emit("fresnel", c.input(node, "IOR", path), normal_or_shading(c, node, path))
 
 
 def layer_weight(c, node, output, path):
     mode = 0 if output.identifier == "Fresnel" else 1
-    return c.emit("layer_weight", c.input(node, "Blend", path), _normal_or_shading(c, node, path), mode=mode)
-
-
-def normal_map(c, node, output, path):
-    if node.space != "TANGENT":
-        c.warn(
-            node, f"normal maps in {node.space.title()} space are not supported; the normal stays as it is"
-        )
-        return c.emit("normal")
-    color, strength = c.input(node, "Color", path), c.input(node, "Strength", path)
-    return c.emit("normal_map", color, strength, mode=c.uv(node.uv_map))
-
-
-def bump(c, node, output, path):
-    c.warn(node, "bump mapping is not supported; the normal stays as it is")
-    return _normal_or_shading(c, node, path)
-
-
-def normal(c, node, output, path):
-    direction = constant(tuple(node.outputs["Normal"].default_value))
-    if output.identifier == "Normal":
-        return direction
-    return c.emit("dot", c.emit("normalize", direction), c.emit("normalize", c.input(node, "Normal", path)))
-
-
-def vector_transform(c, node, output, path):
-    value = c.input(node, "Vector", path)
-    if node.convert_from != node.convert_to:
-        c.warn(
-            node,
-            f"transforms from {node.convert_from.title()} to {node.convert_to.title()} are not "
-            "supported; not done",
-        )
-    return value
+    return c.emit("layer_weight", c.input(node, "Blend", path), normal_or_shading(c, node, path), mode=mode)
 
 
 def wireframe(c, node, output, path):
-    c.warn(node, "wireframe is not supported; it is 0")
-    return ZERO
+    return c.emit("wireframe", c.input(node, "Size", path), mode=int(node.use_pixel_size))
 
 
 HANDLERS = {
@@ -191,12 +206,12 @@ HANDLERS = {
     "ATTRIBUTE": attribute,
     "VERTEX_COLOR": color_attribute,
     "LIGHT_PATH": light_path,
+    "LIGHT_FALLOFF": light_falloff,
+    "PARTICLE_INFO": particle_info,
+    "HAIR_INFO": hair_info,
+    "POINT_INFO": hair_info,
     "FRESNEL": fresnel,
     "LAYER_WEIGHT": layer_weight,
-    "NORMAL_MAP": normal_map,
-    "BUMP": bump,
-    "NORMAL": normal,
-    "VECT_TRANSFORM": vector_transform,
     "WIREFRAME": wireframe,
     "VALUE": lambda c, node, output, path: constant(float(node.outputs[0].default_value)),
     "RGB": lambda c, node, output, path: constant(tuple(node.outputs[0].default_value)),

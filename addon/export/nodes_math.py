@@ -5,7 +5,7 @@ separate."""
 import math
 
 import numpy as np
-from mathutils import Euler, Matrix
+from mathutils import Euler
 
 from .nodes_program import ONE, ZERO, constant
 
@@ -157,25 +157,53 @@ def rotate(c, vector, rotation, inverse=False):
     return c.emit("transform", vector, parameters=matrix.ravel(), mode=1)
 
 
+def rotate_euler(c, vector, angles, inverse=False):
+    """Returns `vector` turned by Euler angles in the order XYZ, which need not be constant."""
+    if angles.constant is not None:
+        return rotate(c, vector, np.array(Euler(angles.constant).to_matrix()), inverse)
+    sine, cosine = c.emit("sine", angles), c.emit("cosine", angles)
+    if inverse:
+        sine = c.emit("multiply", sine, constant(-1.0))
+    for axis in reversed(range(3)) if inverse else range(3):
+        s, k = c.emit("channel", sine, mode=axis), c.emit("channel", cosine, mode=axis)
+        xyz = [c.emit("channel", vector, mode=m) for m in range(3)]
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        turned = list(xyz)
+        turned[first] = c.emit(
+            "subtract", c.emit("multiply", xyz[first], k), c.emit("multiply", xyz[second], s)
+        )
+        turned[second] = c.emit("multiply_add", xyz[first], s, c.emit("multiply", xyz[second], k))
+        vector = c.emit("combine", *turned)
+    return vector
+
+
+def rotate_around(c, vector, axis, angle):
+    """Returns `vector` turned around an axis (Rodrigues); unturned where the axis is 0."""
+    unit = c.emit("normalize", axis)
+    sine, cosine = c.emit("sine", angle), c.emit("cosine", angle)
+    along = c.emit("multiply", unit, c.emit("dot", unit, vector))
+    flat = c.emit("subtract", vector, along)
+    turned = c.emit("multiply_add", flat, cosine, along)
+    turned = c.emit("multiply_add", c.emit("cross", unit, vector), sine, turned)
+    return c.emit("mix", vector, turned, c.emit("greater_than", c.emit("length", axis), ZERO))
+
+
 def mapping(c, node, output, path):
     vector, location, rotation, scale = (
         c.input(node, n, path) for n in ("Vector", "Location", "Rotation", "Scale")
     )
-    if rotation.constant is None:
-        c.warn(node, "a rotation that is not constant is not supported; the mapping does not rotate")
-        rotation = ZERO
-    turn = np.array(Euler(rotation.constant).to_matrix())
     kind = node.vector_type
     if kind == "TEXTURE":
-        return c.emit("divide", rotate(c, c.emit("subtract", vector, location), turn, inverse=True), scale)
+        turned = rotate_euler(c, c.emit("subtract", vector, location), rotation, inverse=True)
+        return c.emit("divide", turned, scale)
     if kind == "NORMAL":
-        return c.emit("normalize", rotate(c, c.emit("divide", vector, scale), turn))
-    if scale.constant is not None and location.constant is not None:
+        return c.emit("normalize", rotate_euler(c, c.emit("divide", vector, scale), rotation))
+    if None not in (scale.constant, location.constant, rotation.constant):
         matrix = np.eye(3, 4)
-        matrix[:, :3] = turn * np.array(scale.constant)
+        matrix[:, :3] = np.array(Euler(rotation.constant).to_matrix()) * np.array(scale.constant)
         matrix[:, 3] = location.constant if kind == "POINT" else 0.0
         return c.emit("transform", vector, parameters=matrix.ravel())
-    turned = rotate(c, c.emit("multiply", vector, scale), turn)
+    turned = rotate_euler(c, c.emit("multiply", vector, scale), rotation)
     return c.emit("add", turned, location) if kind == "POINT" else turned
 
 
@@ -183,18 +211,14 @@ def vector_rotate(c, node, output, path):
     vector, center, axis, angle, euler = (
         c.input(node, name, path) for name in ("Vector", "Center", "Axis", "Angle", "Rotation")
     )
-    kind = node.rotation_type
-    needed = (euler,) if kind == "EULER_XYZ" else (axis, angle) if kind == "AXIS_ANGLE" else (angle,)
-    if any(value.constant is None for value in needed):
-        c.warn(node, "a rotation that is not constant is not supported; the vector passes unturned")
-        return vector
+    kind, local = node.rotation_type, c.emit("subtract", vector, center)
     if kind == "EULER_XYZ":
-        turn = Euler(euler.constant).to_matrix()
-    else:
-        direction = axis.constant if kind == "AXIS_ANGLE" else kind[0]
-        turn = Matrix.Rotation(angle.constant[0], 3, direction)
-    turned = rotate(c, c.emit("subtract", vector, center), np.array(turn), inverse=node.invert)
-    return c.emit("add", turned, center)
+        return c.emit("add", rotate_euler(c, local, euler, node.invert), center)
+    if node.invert:
+        angle = c.emit("multiply", angle, constant(-1.0))
+    if kind != "AXIS_ANGLE":
+        axis = constant([float(letter == kind[0]) for letter in "XYZ"])
+    return c.emit("add", rotate_around(c, local, axis, angle), center)
 
 
 def separate(names):

@@ -6,6 +6,7 @@ output. A socket inside a group belongs to a path, the tuple of group nodes arou
 because one group tree may be used many times with different inputs.
 """
 
+from ..opcodes import SHIFT, SHIFTABLE
 from .nodes_program import ProgramBuilder, constant
 
 NUMBERS = {"VALUE", "INT", "BOOLEAN"}  # socket types that hold one number
@@ -110,7 +111,9 @@ class Compiler:
         self.context = context
         self.pass_index = pass_index
         self.builder = ProgramBuilder()
-        self.emit = self.builder.emit
+        self.plain_sky = None  # the Sky Texture whose sun is a lamp (nodes_sky.py)
+        self.default_normal = None  # Value of normals where nothing is linked; None: as they are
+        self.shift, self._step = 0, 0.0  # see `shifted`
         self.uvs = {}  # UV map name -> number, of those read
         self.attributes = {}  # attribute name -> number, of those read
         self._handlers = handlers
@@ -119,6 +122,27 @@ class Compiler:
     def warn(self, node, text):
         """Adds a warning that names owner and node."""
         self.context.warn(f"{self.owner}, node '{node.name}': {text}")
+
+    def emit(self, op, *operands, parameters=(), mode=0):
+        """Returns the Value of an operation: ProgramBuilder.emit, beside the point where `shifted` says
+        so."""
+        if self.shift and op in SHIFTABLE:
+            parameters, mode = (self._step,), mode + self.shift * SHIFT
+        return self.builder.emit(op, *operands, parameters=parameters, mode=mode)
+
+    def shifted(self, axis, step, compile_value):
+        """Returns the Value that `compile_value` compiles, read `step` pixels beside the point along axis 1
+        or 2 of the tangent plane; 0: at the point."""
+        before = self.shift, self._step
+        self.shift, self._step = axis, step
+        try:
+            return compile_value()
+        finally:
+            self.shift, self._step = before
+
+    def property(self, key):
+        """Returns the number of an object's property (properties.py)."""
+        return self.context.property_number(key)
 
     def uv(self, name):
         """Returns the number of UV map `name` ("": the active one)."""
@@ -144,10 +168,10 @@ class Compiler:
 
     def value(self, socket, path):
         """Returns the Value of an input socket, converted to the socket's type."""
-        key = place(socket, path)
+        key = (place(socket, path), self.shift, self._step)
         if key not in self._known:  # inputs first, so that long chains of nodes do not recurse
             for behind, behind_path in inputs_first(socket, path, self._feeds):
-                known = place(behind, behind_path)
+                known = (place(behind, behind_path), self.shift, self._step)
                 if known not in self._known:
                     self._known[known] = self._value(behind, behind_path)
         return self._known[key]

@@ -68,6 +68,10 @@ def _read(c, node, output, name):
 
 
 def attribute(c, node, output, path):
+    if c.grids is not None and node.attribute_type in ("OBJECT", "INSTANCER"):
+        kind = node.attribute_type.title()
+        c.warn(node, f"attributes of type {kind} are not supported in grids; '{node.attribute_name}' is 0")
+        return ZERO
     if node.attribute_type != "GEOMETRY":
         return nodes_input.attribute(c, node, output, path)
     return _read(c, node, output, node.attribute_name)

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects: walks the depsgraph's instances and sorts them into meshes, lights and volumes."""
 
+from dataclasses import replace
+
 from .. import description
+from . import needs
 from .fluids import export_fluid, fluid_domain
 from .hash import random_number
 from .history import uid
@@ -9,6 +12,7 @@ from .lights import export_light
 from .mesh import MeshRecord
 from .moving import Tracks
 from .nodes_input import ray_bits
+from .properties import read_properties
 from .space import matrix4
 from .volumes import export_volume
 
@@ -37,6 +41,7 @@ class Objects:
     def __init__(self, context):
         self._context = context
         self._records = {}  # key of evaluated data -> (number, MeshRecord) or None where it has no faces
+        self._place, self._places = 0, []  # among the depsgraph's: of the instance read, of self.instances
         self._made = []  # objects whose to_mesh() results are still in use
         self._converted = set()  # objects whose mesh Blender lists by itself
         self._checked = set()  # objects already searched for unsupported features
@@ -55,7 +60,7 @@ class Objects:
             and instance.object.type == "MESH"
             and instance.instance_object is not None
         }
-        for instance in instances:
+        for self._place, instance in enumerate(instances):
             if instance.show_self and not instance.object.hide_render:
                 self._add(instance)
         found = {key: entry[1] for key, entry in self._records.items() if entry is not None}
@@ -63,6 +68,7 @@ class Objects:
         for key, record in found.items():
             self._context.cache.meshes.put(key, record.arrays)
         self.arrays_by_name = {name: found[key].arrays for name, key in self._names.items() if key in found}
+        self._read_properties(instances)
         for item in self._made:
             item.to_mesh_clear()
 
@@ -90,6 +96,19 @@ class Objects:
             self._context.warn(
                 f"object '{item.name}': objects of type {item.type.title()} are not supported; left out"
             )
+
+    def _read_properties(self, instances):
+        """Gives instances what shaders read of their objects: which properties those are is known only
+        now."""
+        keys = self._context.property_keys(needs.properties_read(self._context.materials))
+        if not keys:
+            return
+        places = {place: number for number, place in enumerate(self._places)}
+        for place, instance in enumerate(instances):
+            if place in places:
+                number = places[place]
+                values = read_properties(self._context, instance, keys)
+                self.instances[number] = replace(self.instances[number], properties=values)
 
     def _is_converted(self, instance):
         """True for a curve or the like whose mesh Blender lists as an instance of its own (not for metaballs
@@ -121,6 +140,7 @@ class Objects:
         materials = [numbers.get(slot, numbers[min(used)]) for slot in range(len(slots))]
         item = instance.object
         self.tracks.add("instance", len(self.instances), instance, record=record, mesh=number)
+        self._places.append(self._place)
         self.instances.append(
             description.Instance(
                 name=item.name,

@@ -24,6 +24,26 @@ struct Instance;  // scene/scene.h
 struct Mesh;
 class VolumeFields;  // grids/volume_fields.h
 
+/// What led a ray to the point: bounces by kind, and how far it came since the last of them.
+struct RayHistory {
+    float length = 0;  ///< of the camera's rays from the near clipping distance on
+    std::uint16_t depth = 0, diffuse = 0, glossy = 0, transmission = 0;
+    std::uint16_t transparent = 0;  ///< surfaces that the path went straight through
+    bool singular = false;          ///< the last bounce was off a perfectly sharp lobe
+
+    /// After one more bounce, which sends a ray of this kind.
+    RayHistory after(std::uint32_t kind, bool sharp) const {
+        RayHistory out = *this;
+        out.length = 0;
+        ++out.depth;
+        out.diffuse = static_cast<std::uint16_t>(diffuse + ((kind & kDiffuseRay) ? 1 : 0));
+        out.glossy = static_cast<std::uint16_t>(glossy + ((kind & kGlossyRay) ? 1 : 0));
+        out.transmission = static_cast<std::uint16_t>(transmission + ((kind & kTransmissionRay) ? 1 : 0));
+        out.singular = sharp;
+        return out;
+    }
+};
+
 /// Everything a shading program can ask about a point. For the world's background `p`, `ng` and `ns` hold the
 /// direction.
 struct ShadingPoint {
@@ -41,6 +61,7 @@ struct ShadingPoint {
     bool backfacing = false;
     float outside_ior = 1;  ///< index of refraction around the surface: 1 but for nested dielectrics
     std::uint32_t ray_kind = kCameraRay;
+    RayHistory history;
     float time = 0;  ///< of the shutter, in [0, 1]
     /// At `time`, to the world where the moving object whose volume this is stands as at the frame; null: it
     /// stands still.

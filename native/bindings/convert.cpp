@@ -32,10 +32,12 @@ Mesh mesh(nb::handle m) {
     return out;
 }
 
-std::array<float, 4> color(nb::handle object) {
-    const nb::object rgba = object.attr("color");
+std::array<float, 4> four(const nb::object& rgba) {
     return {nb::cast<float>(rgba[0]), nb::cast<float>(rgba[1]), nb::cast<float>(rgba[2]),
             nb::cast<float>(rgba[3])};
+}
+std::array<float, 4> color(nb::handle object) {
+    return four(object.attr("color"));
 }
 
 Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_count,
@@ -64,6 +66,8 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.random = value<float>(i, "random");
     out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
+    out.properties = list<std::array<float, 4>>(
+        i, "properties", [](nb::handle rgba) { return four(nb::borrow<nb::object>(rgba)); });
     out.dielectric_priority = value<int>(i, "dielectric_priority");
     return out;
 }
@@ -197,6 +201,8 @@ SceneSource scene_source_of(nb::handle scene) {
     SceneSource out;
     out.camera = reading("camera", [&] { return camera(scene.attr("camera")); });
     out.origin = move_origin(out.camera);
+    const int columns = std::max(1, reading("film", [&] { return value<int>(scene.attr("film"), "width"); }));
+    out.pixel_width = static_cast<float>((out.camera.right - out.camera.left) / columns);
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {

@@ -41,8 +41,9 @@ inline std::uint32_t light_visibility(const Scene& scene, std::uint32_t number) 
 }
 
 /// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
+/// history: of the ray that came here.
 inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, std::uint32_t ray_kind,
-                                                 int bounces, PathSampler& sampler) {
+                                                 const RayHistory& history, PathSampler& sampler) {
     const LightSet& lights = scene.lights();
     if (lights.empty())
         return std::nullopt;
@@ -56,7 +57,7 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     DirectSample out;
     if (lights.kind(*number) == LightSet::Kind::lamp) {
         const Lamp& lamp = lights.lamp(*number);
-        if (bounces > lamp.max_bounces)
+        if (history.depth > lamp.max_bounces)
             return std::nullopt;
         const auto s = lamp.sample(p, u);
         if (!s)
@@ -72,12 +73,15 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
         out.light = s->light;
         Hit hit{s->light.distance, scene.number_of(mesh.instance()), s->triangle, s->barycentric.y,
                 s->barycentric.z};
-        const ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
+        ShadingPoint point = scene.shading_point(hit, {p, s->light.wi}, ray_kind);
+        point.history = history.after(ray_kind, false);
+        point.history.length = hit.t;
         out.light.Li = evaluate_emission(*scene.program_of(point), point, scene.textures());
         out.target = point.off(point.ng);
     } else {
         const EnvironmentLight::Sample s = lights.world()->sample(pair.fine());
-        out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind), s.pdf, false};
+        out.light = {s.wi, kInfinity, scene.background(s.wi, ray_kind, history.after(ray_kind, false)), s.pdf,
+                     false};
     }
     if (!(out.light.pdf > 0) || is_zero(out.light.Li))
         return std::nullopt;

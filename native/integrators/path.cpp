@@ -216,6 +216,7 @@ class Path : private PathLight<k> {
             const Vec3f o = point.off(-point.ng);
             const float step = length(o - walk_.ray.o);
             walk_.way.advance(step);
+            ++walk_.history.transparent;
             walk_.ray = {o, walk_.ray.d, 0, walk_.ray.t_max - step, walk_.ray.time};
             return true;
         }
@@ -304,6 +305,7 @@ class Path : private PathLight<k> {
         }
         walk_.ray = {from.o, from.wi, 0, kInfinity, walk_.ray.time};
         walk_.kind = from.kind;
+        walk_.history = walk_.history.after(from.kind, from.specular);
         walk_.way = LampsOnTheWay(from.vertex);
         walk_.previous_pdf = from.densities.pdf;
         walk_.previous_specular = from.specular;

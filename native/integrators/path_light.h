@@ -25,6 +25,7 @@ class PathLight {
           ws_(ws),
           record_(request, ws) {
         walk_.ray = ray;
+        walk_.history.length = -ray.t_min;
     }
 
   protected:
@@ -54,7 +55,7 @@ class PathLight {
             return false;
         }
         add_suns();
-        const Rgb Le = scene_.background(walk_.ray.d, walk_.kind);
+        const Rgb Le = scene_.background(walk_.ray.d, walk_.kind, walk_.history);
         if (is_zero(Le))
             return false;
         const std::uint32_t number = scene_.lights().world_number();
@@ -84,7 +85,12 @@ class PathLight {
                                scene_.lights().selection_pdf(walk_.way.vertex(), light) * pdf());
     }
 
-    ShadingPoint shading(const Hit& hit) const { return scene_.shading_point(hit, walk_.ray, walk_.kind); }
+    ShadingPoint shading(const Hit& hit) const {
+        ShadingPoint point = scene_.shading_point(hit, walk_.ray, walk_.kind);
+        point.history = walk_.history;
+        point.history.length += walk_.way.travelled() + hit.t;
+        return point;
+    }
 
     const FieldRegion* region_at(Vec3f p, FieldPart part) {
         if (!k.learning || !compiled::field || !request_.field || !request_.use.any())
@@ -110,7 +116,7 @@ class PathLight {
     }
 
     void light_volume(Vec3f p, const PhaseMixture& phase, const Guide& guide) {
-        const auto direct = sample_direct(scene_, p, kVolumeRay, walk_.bounces, sampler_);
+        const auto direct = sample_direct(scene_, p, kVolumeRay, walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;
@@ -119,7 +125,7 @@ class PathLight {
     }
 
     void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const Guide& guide) {
-        const auto direct = sample_direct(scene_, point.p, kDiffuseRay, walk_.bounces, sampler_);
+        const auto direct = sample_direct(scene_, point.p, kDiffuseRay, walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;

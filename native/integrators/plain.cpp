@@ -110,6 +110,9 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
     std::uint32_t kind = kCameraRay;
     float beta = 3;  // one channel of three
     int surface_bounces = 0, volume_bounces = 0;
+    RayHistory history;
+    history.length = -camera_ray.t_min;
+    float travelled = 0;  // since the last bounce, where surfaces let the ray through
     bool volume_first = false;
     const auto add = [&](float light) { (volume_first ? out.volume : out.surface)[channel] += beta * light; };
     for (;;) {
@@ -144,17 +147,21 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             ++volume_bounces;
             ray = {ray.at(collision.t), collision.phase.sample(-ray.d, rng.next2()), 0, kInfinity, ray.time};
             kind = kVolumeRay;
+            history = history.after(kind, false);
+            travelled = 0;
             continue;
         }
         if (!hit.valid()) {
             if (bounces == 0 && request.transparent_film) {
                 out.alpha = 0;
             } else {
-                add(scene.background(ray.d, kind)[channel]);
+                add(scene.background(ray.d, kind, history)[channel]);
             }
             break;
         }
-        const ShadingPoint point = scene.shading_point(hit, ray, kind);
+        ShadingPoint point = scene.shading_point(hit, ray, kind);
+        point.history = history;
+        point.history.length += travelled + hit.t;
         const Bsdf bsdf = make_bsdf(scene.program_of(point), point, scene.textures());
         add(bsdf.emission[channel]);
         const auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
@@ -164,6 +171,8 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         if (beta == 0)
             break;
         if (sample->kind == 0) {
+            ++history.transparent;
+            travelled += hit.t;
             ray = {point.off(-point.ng), sample->wi, 0, kInfinity, ray.time};
             continue;
         }
@@ -173,6 +182,8 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             break;
         ++surface_bounces;
         kind = sample->kind;
+        history = history.after(kind, sample->specular);
+        travelled = 0;
     }
     return out;
 }

@@ -17,25 +17,17 @@ void add_to(PartKey& key, const Program& program, const TextureContext& context)
     key.add(context.origin);
     bool sees_camera = false;
     for (const Instruction& i : program.code) {
-        switch (static_cast<Op>(i.op)) {
-            case Op::image:
-            case Op::image_alpha:
-            case Op::environment:
-            case Op::environment_mirror_ball: {
-                const float number = program.parameters[static_cast<std::size_t>(i.parameter)];
-                add_to(key, context.images[static_cast<std::size_t>(number)]);
-                break;
-            }
-            case Op::camera_coordinate:
-            case Op::window_coordinate:
-                sees_camera = true;
-                break;
-            default:
-                break;
+        const Op op = static_cast<Op>(i.op);
+        if (reads_image(op)) {
+            const float number = program.parameters[static_cast<std::size_t>(i.parameter)];
+            add_to(key, context.images[static_cast<std::size_t>(number)]);
         }
+        sees_camera |= reads_camera(op) || (is_shiftable(op) && i.mode >= kShift);
     }
-    if (sees_camera)
+    if (sees_camera) {
         key.add(context.camera_from_world).add(std::span(context.viewplane)).add(context.orthographic);
+        key.add(context.pixel_width);
+    }
 }
 
 void add_to(PartKey& key, const ShadingPoint& place) {
@@ -45,7 +37,7 @@ void add_to(PartKey& key, const ShadingPoint& place) {
         key.add(i.world_from_object).add(i.object_from_world).add(i.motion.steps().size());
         for (const Transform& step : i.motion.steps())
             key.add(step);
-        key.add(i.random).add(std::span(i.color)).add(i.pass_index);
+        key.add(i.random).add(std::span(i.color)).add(i.pass_index).add(std::span(i.properties));
     }
     if (place.mesh != nullptr) {
         const Mesh& m = *place.mesh;

@@ -70,7 +70,8 @@ Scene::Scene(SceneSource source, const Settings& settings, PartCache* parts)
                   static_cast<float>(source_.camera.bottom), static_cast<float>(source_.camera.top)},
                  !camera_->perspective(),
                  Vec3f(static_cast<float>(source_.origin[0]), static_cast<float>(source_.origin[1]),
-                       static_cast<float>(source_.origin[2]))};
+                       static_cast<float>(source_.origin[2])),
+                 source_.pixel_width};
     for (const Material& m : source_.materials) {
         if (m.surface)
             naming("material '" + m.name + "'", [&] { validate(*m.surface, source_.images.size()); });

@@ -71,6 +71,7 @@ struct SceneSource {
     std::vector<Image> images;
     std::vector<LampDescription> lamps;
     WorldSource world;
+    float pixel_width = 0.001f;                 ///< on the viewplane
     std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
 };
@@ -140,7 +141,7 @@ class Scene {
     const Program* program_of(const ShadingPoint& point) const;
     const TextureContext& textures() const { return textures_; }
     /// Radiance of the background seen in direction d by rays of this kind.
-    Rgb background(Vec3f d, std::uint32_t ray_kind) const;
+    Rgb background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history = {}) const;
     std::uint32_t world_visibility() const { return source_.world.visibility; }
     static constexpr std::uint32_t kNoLight = ~0u;
     /// Number of the light that an instance's emissive triangles are, or kNoLight.

@@ -147,6 +147,7 @@ ShadingPoint point_on(const Instance& instance, const Mesh& mesh, const Hit& hit
     point.triangle = hit.triangle;
     point.outside_ior = hit.outside_ior;
     point.wo = -ray.d;
+    point.history.length = hit.t;
     point.time = ray.time;
     point.barycentric = {1 - hit.u - hit.v, hit.u, hit.v};
     const auto vertex = [&](int corner) {
@@ -211,13 +212,14 @@ const Program* Scene::program_of(const ShadingPoint& point) const {
     return material < 0 ? nullptr : &*source_.materials[static_cast<std::size_t>(material)].surface;
 }
 
-Rgb Scene::background(Vec3f d, std::uint32_t ray_kind) const {
+Rgb Scene::background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history) const {
     if (!source_.world.background || (source_.world.visibility & ray_kind) == 0)
         return Rgb(0);
     ShadingPoint point;
     point.p = point.object_p = point.ng = point.ns = d;
     point.wo = -d;
     point.ray_kind = ray_kind;
+    point.history = history;
     return evaluate_emission(*source_.world.background, point, textures_);
 }
 

@@ -259,7 +259,7 @@ Interval3 color_bounds(Op op, const Interval3& a, const Interval3& b, const Inte
         case Op::hue_saturation:
             return adjust_hue_saturation(a, b, c[0]);
         case Op::bright_contrast:
-            return each([&](Interval1 x) { return max(x * (b[1] + 1) + (b[0] - b[1] * 0.5), Interval1(0)); });
+            return each([&](Interval1 x) { return max(x * (c[0] + 1) + (b[0] - c[0] * 0.5), Interval1(0)); });
         case Op::gamma:
             return each([&](Interval1 x) { return gamma(x, b[0]); });
         case Op::invert:

@@ -39,6 +39,13 @@ Image::Texel mix(const Image::Texel& a, const Image::Texel& b, float t) {
     return {lerp(a.rgb, b.rgb, t), lerp(a.alpha, b.alpha, t)};
 }
 
+/// Weights of the uniform cubic B-spline for the four texels around a place, t past the second.
+std::array<float, 4> spline_weights(float t) {
+    const float s = 1 - t, before = s * s * s / 6, after = t * t * t / 6;
+    const float near = (4 - 6 * t * t + 3 * t * t * t) / 6;
+    return {before, near, 1 - before - near - after, after};
+}
+
 /// u with its whole tiles taken away (a tile and its mirror image), so that texel numbers stay exact far out.
 float within_tiles(float u) {
     return u - 2 * std::floor(u / 2);
@@ -58,7 +65,7 @@ Image::Texel Image::texel(int x, int y) const {
     return {{linear[bytes[i]], linear[bytes[i + 1]], linear[bytes[i + 2]]}, unit(i + 3)};
 }
 
-Image::Texel Image::sample(Vec2f uv, bool closest, Extension extension) const {
+Image::Texel Image::sample(Vec2f uv, Filter filter, Extension extension) const {
     const bool tiled = extension == Extension::repeat || extension == Extension::mirror;
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
         return {Rgb(0), 0};
@@ -68,14 +75,26 @@ Image::Texel Image::sample(Vec2f uv, bool closest, Extension extension) const {
     const auto at = [&](int x, int y) {
         return texel(wrapped(x, width, extension), wrapped(y, height, extension));
     };
-    const float offset = closest ? 0 : 0.5f;  // texel centres are at half texels
+    const float offset = filter == Filter::closest ? 0 : 0.5f;  // texel centres are at half texels
     const float x = uv.x * static_cast<float>(width) - offset, y = uv.y * static_cast<float>(height) - offset;
     const float x0 = std::floor(x), y0 = std::floor(y);
     const int ix = static_cast<int>(x0), iy = static_cast<int>(y0);
-    if (closest)
+    if (filter == Filter::closest)
         return at(ix, iy);
     const float tx = x - x0, ty = y - y0;
-    return mix(mix(at(ix, iy), at(ix + 1, iy), tx), mix(at(ix, iy + 1), at(ix + 1, iy + 1), tx), ty);
+    if (filter == Filter::linear)
+        return mix(mix(at(ix, iy), at(ix + 1, iy), tx), mix(at(ix, iy + 1), at(ix + 1, iy + 1), tx), ty);
+    const auto wx = spline_weights(tx), wy = spline_weights(ty);
+    Texel sum{Rgb(0), 0};
+    for (int j = 0; j < 4; ++j) {
+        for (int i = 0; i < 4; ++i) {
+            const float w = wx[static_cast<std::size_t>(i)] * wy[static_cast<std::size_t>(j)];
+            const Texel t = at(ix + i - 1, iy + j - 1);
+            sum.rgb += t.rgb * w;
+            sum.alpha += t.alpha * w;
+        }
+    }
+    return sum;
 }
 
 }  // namespace nephele

@@ -11,6 +11,7 @@ namespace nephele {
 
 struct Image {
     enum class Extension { repeat, extend, clip, mirror };
+    enum class Filter { linear, closest, cubic };
 
     std::string name;
     int width = 0, height = 0;
@@ -24,8 +25,8 @@ struct Image {
     };
     /// Texel (x, y), inside the image; linear.
     Texel texel(int x, int y) const;
-    /// Value at (u, v), [0,1]^2 covering the image; bilinear unless `closest`.
-    Texel sample(Vec2f uv, bool closest, Extension extension) const;
+    /// Value at (u, v), [0,1]^2 covering the image. Cubic: uniform B-splines, which blur a little.
+    Texel sample(Vec2f uv, Filter filter, Extension extension) const;
 };
 
 }  // namespace nephele

@@ -84,7 +84,36 @@ Interval1 row_bounds(Vec3f row, double translation, const Interval3& p) {
     return p[0] * row.x + p[1] * row.y + p[2] * row.z + translation;
 }
 
+Interval3 converted_bounds(std::int32_t mode, const Interval3& a, const BoundsInput& input) {
+    const int from = mode & 3, to = mode >> 2 & 3, kind = mode >> 4;
+    if (from == to)
+        return a;
+    const bool normal = kind == 2;
+    if (normal)
+        return Interval3(Interval1(kDirection.lo, kDirection.hi, !tame(a[0], a[1], a[2])));
+    const Instance* instance = input.point.instance;
+    if (instance && instance->motion.moves() && (from == 1 || to == 1))
+        return Interval3(everything());
+    const bool vector = kind == 1;
+    const auto flipped = [](const Interval3& v) { return Interval3(v[0], v[1], -v[2]); };
+    const Vec3f origin = vector ? Vec3f(0) : input.context.origin;
+    Interval3 w = a;
+    if (from == 0)
+        w = moved(a, -origin);
+    else if (from == 1 && instance)
+        w = transformed(instance->world_from_object, a, vector);
+    else if (from == 2)
+        w = transformed(inverse_of(input.context.camera_from_world), flipped(a), vector);
+    if (to == 0)
+        return moved(w, origin);
+    if (to == 1)
+        return instance ? transformed(inverse_of(instance->world_from_object), w, vector) : moved(w, origin);
+    return to == 2 ? flipped(transformed(input.context.camera_from_world, w, vector)) : moved(w, origin);
+}
+
 Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
+    if (mode >= kShift)  // of surfaces alone: volumes have no bump
+        return Interval3(everything());
     switch (op) {
         case Op::object_location:
             return object_location(input);
@@ -106,6 +135,10 @@ Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
         case Op::incoming:
         case Op::reflection:
             return Interval3(kDirection);
+        case Op::uv_tangent:
+            return Interval3(kDirection);
+        case Op::ray_history:  // volumes are told nothing of their rays, so that they are the same for all
+            return Interval3(shading_input(op, mode, input.point, input.context));
         case Op::backfacing:
             return Interval3({0, 1});
         case Op::ray_is:
@@ -114,6 +147,10 @@ Interval3 input_bounds(Op op, std::int32_t mode, const BoundsInput& input) {
         case Op::object_color:
         case Op::object_random:
         case Op::object_index:
+        case Op::object_alpha:
+        case Op::object_attribute:
+        case Op::object_attribute_alpha:
+        case Op::parametric:
         case Op::attribute:
         case Op::attribute_alpha:  // the same all over the box
             return Interval3(shading_input(op, mode, input.point, input.context));

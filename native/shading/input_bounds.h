@@ -6,6 +6,8 @@
 
 namespace nephele {
 
+/// a from one space to another, as the mode of "convert_space" says.
+Interval3 converted_bounds(std::int32_t mode, const Interval3& a, const BoundsInput& input);
 /// Unit vectors, and those that programs make of vectors so short that their length is denormal.
 inline constexpr Interval1 kDirection(-1.25, 1.25);
 

@@ -17,7 +17,10 @@ struct Interval1 {
     bool nan = false;
 
     constexpr Interval1() = default;
-    constexpr explicit Interval1(double v) : lo(v), hi(v) {}
+    constexpr explicit Interval1(double v) : lo(v), hi(v) {
+        if (v != v)
+            *this = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), true};
+    }
     constexpr Interval1(double low, double high, bool or_nan = false) : lo(low), hi(high), nan(or_nan) {}
 
     constexpr bool contains(double v) const { return lo <= v && v <= hi; }

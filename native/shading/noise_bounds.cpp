@@ -8,7 +8,7 @@
 namespace nephele {
 namespace {
 
-using Box = std::array<Interval1, 3>;
+using Box = std::array<Interval1, 4>;
 
 /// What sampling aims at, as a part of the fractal's range; octaves beyond the first few do not count.
 constexpr double kAim = 0.03;
@@ -62,8 +62,8 @@ std::optional<Fractal> fractal_of(double detail_setting, double roughness_settin
 
 /// A lattice of samples in a box: how many steps along each axis.
 struct Lattice {
-    std::array<int, 3> steps{};
-    std::array<double, 3> spacing{};
+    std::array<int, 4> steps{};
+    std::array<double, 4> spacing{};
 
     Lattice(const Box& box, int n, double step) {
         for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
@@ -101,26 +101,36 @@ Lattice lattice_for(const Box& box, const Fractal& fractal, int n) {
     }
 }
 
-double perlin_at(const std::array<double, 3>& p, double frequency, int n) {
+double perlin_at(const std::array<double, 4>& p, double frequency, int n) {
     const auto at = [&](std::size_t i) { return static_cast<float>(p[i] * frequency); };
-    return n == 1 ? perlin(at(0)) : n == 2 ? perlin(at(0), at(1)) : perlin(Vec3f(at(0), at(1), at(2)));
+    switch (n) {
+        case 1:
+            return perlin(at(0));
+        case 2:
+            return perlin(at(0), at(1));
+        case 3:
+            return perlin(Vec3f(at(0), at(1), at(2)));
+        default:
+            return perlin(Vec3f(at(0), at(1), at(2)), at(3));
+    }
 }
 
 /// Range of the samples of some octaves.
 Interval1 sampled(const Box& box, const Lattice& lattice, std::span<const Octave> octaves, int n) {
     Interval1 range(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
-    for (int z = 0; z <= lattice.steps[2]; ++z) {
-        for (int y = 0; y <= lattice.steps[1]; ++y) {
-            for (int x = 0; x <= lattice.steps[0]; ++x) {
-                const std::array<double, 3> p{box[0].lo + x * lattice.spacing[0],
-                                              box[1].lo + y * lattice.spacing[1],
-                                              box[2].lo + z * lattice.spacing[2]};
-                double sum = 0;
-                for (const Octave& octave : octaves)
-                    sum += octave.weight * perlin_at(p, octave.frequency, n);
-                range = {std::min(range.lo, sum), std::max(range.hi, sum)};
-            }
-        }
+    std::array<int, 4> step{};
+    for (std::size_t i = 0; i < 4;) {
+        std::array<double, 4> p;
+        for (std::size_t k = 0; k < 4; ++k)
+            p[k] = box[k].lo + step[k] * lattice.spacing[k];
+        double sum = 0;
+        for (const Octave& octave : octaves)
+            sum += octave.weight * perlin_at(p, octave.frequency, n);
+        range = {std::min(range.lo, sum), std::max(range.hi, sum)};
+        for (i = 0; i < 4 && step[i] == lattice.steps[i]; ++i)
+            step[i] = 0;
+        if (i < 4)
+            ++step[i];
     }
     return range;
 }
@@ -151,8 +161,8 @@ Interval1 fractal_bounds(const Box& box, const Fractal& fractal, int n) {
                    4 * fractal.scale);
 }
 
-Box moved(const Box& p, Vec3f by) {
-    return {p[0] + by.x, p[1] + by.y, p[2] + by.z};
+Box moved(const Box& p, const NoisePoint& by) {
+    return {p[0] + by.p.x, p[1] + by.p.y, p[2] + by.p.z, p[3] + by.w};
 }
 
 Box distorted(const Box& p, Interval1 distortion, int n) {
@@ -160,8 +170,10 @@ Box distorted(const Box& p, Interval1 distortion, int n) {
         return p;
     const Fractal one{{{1, 1}}, 0, 1};
     Box q = p;
-    for (int i = 0; i < n; ++i)
-        q[i] = p[i] + distortion * fractal_bounds(moved(p, noise_offset(i, n)), one, n);
+    for (int k = 0; k < n; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        q[i] = p[i] + distortion * fractal_bounds(moved(p, noise_offset(k, n)), one, n);
+    }
     return q;
 }
 
@@ -180,19 +192,19 @@ Interval1 whole_range(const Interval3& fractal, bool normalize, int n) {
 
 }  // namespace
 
-Interval3 noise_bounds(const Interval3& p, const Interval3& settings, Interval1 distortion, bool normalize,
-                       int n, bool color) {
+Interval3 noise_bounds(const Interval3& p, Interval1 w, const Interval3& settings, Interval1 distortion,
+                       bool normalize, int n, bool color) {
     // Octaves of at most (10^2)^16 keep sums finite.
     if (!tame(settings[0], settings[2]) || settings[1].nan || settings[1].hi > 100)
         return Interval3(everything());
     const Interval1 range = whole_range(settings, normalize, n);
     const bool constant = settings[0].width() == 0 && settings[1].width() == 0 && settings[2].width() == 0;
-    if (!constant || !tame(distortion) || !tame(p[0], p[1], p[2]))
+    if (!constant || !tame(distortion) || !tame(p[0], p[1], p[2], w))
         return Interval3(range);
     const auto fractal = fractal_of(settings[0].lo, settings[1].lo, settings[2].lo, normalize);
     if (!fractal)
         return Interval3(range);
-    const Box q = distorted({p[0], p[1], p[2]}, distortion, n);
+    const Box q = distorted({p[0], p[1], p[2], n == 4 ? w : Interval1(0)}, distortion, n);
     const auto channel = [&](const Box& box) {
         return narrowed(fractal_bounds(box, *fractal, n), range.lo, range.hi);
     };

@@ -12,14 +12,15 @@
 
 namespace nephele {
 
-/// Bounds, in one, two and three dimensions, of Perlin's noise and of its first and second derivatives along
+/// Bounds, in one to four dimensions, of Perlin's noise and of its first and second derivatives along
 /// an axis (magnitudes).
-inline constexpr double kPerlinRange[] = {0, 1.002, 1.002, 1.025}, kPerlinSlope[] = {0, 2.85, 3.25, 4},
-                        kPerlinCurvature[] = {0, 15.8, 12.5, 12.8};
+inline constexpr double kPerlinRange[] = {0, 1.002, 1.002, 1.025, 1.5},
+                        kPerlinSlope[] = {0, 2.85, 3.25, 4, 5.5},
+                        kPerlinCurvature[] = {0, 15.8, 12.5, 12.8, 18};
 
-/// Bounds of noise_value or noise_color at any point of p; settings' intervals: detail, roughness and
-/// lacunarity.
-Interval3 noise_bounds(const Interval3& p, const Interval3& fractal, Interval1 distortion, bool normalize,
-                       int dimensions, bool color);
+/// Bounds of noise_value or noise_color at any point of p, w the fourth coordinate; settings' intervals:
+/// detail, roughness and lacunarity.
+Interval3 noise_bounds(const Interval3& p, Interval1 w, const Interval3& fractal, Interval1 distortion,
+                       bool normalize, int dimensions, bool color);
 
 }  // namespace nephele

@@ -6,7 +6,7 @@
 #include "grids/volume_fields.h"
 #include "math/warp.h"
 #include "shading/color_math.h"
-#include "shading/noise.h"
+#include "shading/procedural.h"
 #include "shading/shading_inputs.h"
 #include "shading/textures.h"
 
@@ -94,9 +94,10 @@ float map_range(float a, Vec3f from, Vec3f to, std::int32_t mode) {
 }
 
 Vec3f transform(const float* m, Vec3f a, bool vector) {
-    const float w = vector ? 0.0f : 1.0f;
-    return {m[0] * a.x + m[1] * a.y + m[2] * a.z + m[3] * w, m[4] * a.x + m[5] * a.y + m[6] * a.z + m[7] * w,
-            m[8] * a.x + m[9] * a.y + m[10] * a.z + m[11] * w};
+    const auto row = [&](const float* r) {
+        return r[0] * a.x + r[1] * a.y + r[2] * a.z + (vector ? 0 : r[3]);  // which may be no number
+    };
+    return {row(m), row(m + 4), row(m + 8)};
 }
 
 // --- Textures
@@ -115,8 +116,8 @@ struct Step {
     }
     const Image& image() const { return context.images[static_cast<std::size_t>(parameters()[0])]; }
     Image::Texel texel(Vec2f uv) const {
-        return image().sample(uv, (instruction.mode & 1) != 0,
-                              static_cast<Image::Extension>(instruction.mode >> 1 & 3));
+        return image().sample(uv, static_cast<Image::Filter>(instruction.mode & 3),
+                              static_cast<Image::Extension>(instruction.mode >> 2));
     }
 };
 
@@ -130,22 +131,20 @@ Rgb environment(const Step& step, Vec3f d) {
     return step.texel(uv).rgb;
 }
 
-Vec3f noise(const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
-    const std::int32_t mode = step.instruction.mode;
-    const NoiseSettings settings{c.x, c.y, c.z, d.x, (mode & 2) != 0, 3 - (mode >> 2 & 3)};
-    return mode & 1 ? noise_color(a * b.x, settings) : Vec3f(noise_value(a * b.x, settings));
-}
-
 // --- Groups of operations
 // ----------------------------------------------------------------------------------------
 
 Vec3f grid(const Step& step, Vec3f a) {
-    if (!step.point.volume)
-        return Vec3f(0);
+    if (!step.point.volume || !is_finite(a))
+        return Vec3f(0);  // a grid is nowhere out there
     // Far from the world's origin a position is coarse; a grid that is read at the point itself is not.
     const Vec3f origin = step.context.origin;
     const Vec3f p = a == step.point.p + origin ? step.point.p : a - origin;
     return step.point.volume->value(step.instruction.mode, step.point.at_rest(p), step.point.time);
+}
+
+Vec3f flat(Vec2f v) {
+    return {v.x, v.y, 0};
 }
 
 Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
@@ -159,6 +158,10 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
             return environment(step, a);
         case Op::environment_mirror_ball:
             return step.texel(mirror_ball_from_direction(a)).rgb;
+        case Op::sphere_projection:
+            return flat(sphere_projection(a));
+        case Op::tube_projection:
+            return flat(tube_projection(a));
         case Op::checker:
             return checker_is_odd(a * d.x) ? b : c;
         case Op::checker_fac:
@@ -166,7 +169,15 @@ Vec3f texture_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3
         case Op::grid:
             return grid(step, a);
         case Op::noise:
-            return noise(step, a, b, c, d);
+            return noise_operation(mode, a, b, c, d);
+        case Op::voronoi:
+            return voronoi_operation(mode, a, b, c, d);
+        case Op::white_noise:
+            return white_noise_operation(mode, a, b);
+        case Op::gabor:
+            return gabor_operation(mode, a, b, c);
+        case Op::brick:
+            return brick_operation(step.parameters(), a, b, c);
         case Op::gradient:
             return Vec3f(gradient_value(static_cast<Gradient>(mode), a));
         case Op::ramp:
@@ -279,6 +290,14 @@ Vec3f vector_operation(Op op, const Step& step, Vec3f a, Vec3f b, Vec3f c) {
         case Op::layer_weight:
             return Vec3f(mode == 0 ? layer_weight_fresnel(a.x, b, step.point)
                                    : layer_weight_facing(a.x, b, step.point));
+        case Op::convert_space:
+            return convert_space(mode, a, step.point, step.context);
+        case Op::box_projection:
+            return box_projection(a, b, mode, step.parameters()[0]);
+        case Op::bump:
+            return bump_normal(a, b.x, b.y, b.z, c, step.point, step.context);
+        case Op::wireframe:
+            return Vec3f(one_if(on_wire(a.x, mode == 1, step.point, step.context)));
         default:
             return tangent_normal(a, b.x, mode, step.point);  // normal_map
     }
@@ -299,7 +318,7 @@ Vec3f color_operation(Op op, std::int32_t mode, Vec3f a, Vec3f b, Vec3f c) {
         case Op::hue_saturation:
             return adjust_hue_saturation(a, b.x, b.y, b.z, c.x);
         case Op::bright_contrast:
-            return max(a * (1 + b.y) + Vec3f(b.x - 0.5f * b.y), Vec3f(0));
+            return max(a * (1 + c.x) + Vec3f(b.x - 0.5f * c.x), Vec3f(0));
         case Op::gamma:
             return each([&](float x) { return x > 0 ? std::pow(x, b.x) : x; }, a);
         case Op::invert:
@@ -336,8 +355,10 @@ Vec3f evaluate(const Step& step, Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
         default:
             break;
     }
-    if (op < Op::image)
-        return shading_input(op, mode, step.point, step.context);
+    if (op < Op::image) {
+        return mode < kShift ? shading_input(op, mode, step.point, step.context)
+                             : shifted_input(op, mode, step.parameters()[0], step.point, step.context);
+    }
     if (op < Op::copy)
         return texture_operation(op, step, a, b, c, d);
     if (op < Op::clamp)

@@ -50,6 +50,7 @@ struct TextureContext {
     bool orthographic = false;
     Vec3f
         origin;  ///< what programs call positions is this much further on (bindings/convert.cpp, move_origin)
+    float pixel_width = 0.001f;  ///< on the viewplane
 };
 
 /// Most lobes that a closure of this kind becomes.

@@ -5,7 +5,7 @@
 #include "shading/channel_bounds.h"
 #include "shading/color_bounds.h"
 #include "shading/input_bounds.h"
-#include "shading/noise_bounds.h"
+#include "shading/procedural_bounds.h"
 #include "shading/texture_bounds.h"
 
 namespace nephele {
@@ -49,21 +49,13 @@ struct Step {
 Interval3 image_bounds(const Step& step, Op op, const Interval3& at) {
     const ImageBounds& image = step.image();
     const Interval3 texels = op == Op::image_alpha ? Interval3(image.alpha) : image.rgb;
-    const bool clipped =
-        static_cast<Image::Extension>(step.instruction.mode >> 1 & 3) == Image::Extension::clip;
+    const bool clipped = static_cast<Image::Extension>(step.instruction.mode >> 2) == Image::Extension::clip;
     const auto outside = [](Interval1 x) { return x.nan || !x.bounded(); };
     // Directions have any length; that of 0 gives black.
     const bool direction = op == Op::environment || op == Op::environment_mirror_ball;
     if (!clipped && !direction && !outside(at[0]) && !outside(at[1]))
         return texels;
     return each([](Interval1 x) { return join(x, Interval1(0)); }, texels);
-}
-
-Interval3 noise(const Step& step, const Interval3& a, const Interval3& b, const Interval3& c,
-                const Interval3& d) {
-    const std::int32_t mode = step.instruction.mode;
-    const Interval3 p = each([&](Interval1 x) { return x * b[0]; }, a);
-    return noise_bounds(p, c, d[0], (mode & 2) != 0, 3 - (mode >> 2 & 3), (mode & 1) != 0);
 }
 
 /// Whether an operand of an instruction is the point itself.
@@ -102,6 +94,11 @@ Interval3 texture_bounds(Op op, const Step& step, const Interval3& a, const Inte
         case Op::environment:
         case Op::environment_mirror_ball:
             return image_bounds(step, op, a);
+        case Op::sphere_projection:
+        case Op::tube_projection: {
+            const Interval1 unit(-kIntervalRounding, 1 + kIntervalRounding, !tame(a[0], a[1], a[2]));
+            return {unit, op == Op::tube_projection ? join(a[2], Interval1(0)) : unit, Interval1(0)};
+        }
         case Op::checker: {
             const Interval1 known = odd();
             return known.is(1)   ? b
@@ -113,7 +110,15 @@ Interval3 texture_bounds(Op op, const Step& step, const Interval3& a, const Inte
         case Op::grid:
             return grid(step, a);
         case Op::noise:
-            return noise(step, a, b, c, d);
+            return noise_operation_bounds(step.instruction.mode, a, b, c, d);
+        case Op::voronoi:
+            return voronoi_operation_bounds(step.instruction.mode, a, b, c, d);
+        case Op::white_noise:
+            return Interval3(Interval1(0, 1));
+        case Op::gabor:
+            return gabor_operation_bounds(step.instruction.mode, b, c);
+        case Op::brick:
+            return brick_operation_bounds(a, b, c);
         case Op::gradient:
             return Interval3(gradient_bounds(static_cast<Gradient>(step.instruction.mode), a));
         case Op::ramp:
@@ -180,6 +185,24 @@ Interval3 vector_bounds(Op op, const Step& step, const Interval3& a, const Inter
         case Op::fresnel:
         case Op::layer_weight:
             return Interval3(Interval1(0, 1 + kIntervalRounding, !tame(a[0])));
+        case Op::convert_space:
+            return converted_bounds(mode, a, step.input);
+        case Op::box_projection: {
+            const auto either = [&](int k) { return join(a[k], 1 - a[k]); };  // flipped or not
+            const Interval1 weight(-1e-3, 1 + 1e-3, !tame(b[0], b[1], b[2]));
+            return mode == 0   ? Interval3(either(1), a[2], weight)
+                   : mode == 1 ? Interval3(either(0), a[2], weight)
+                               : Interval3(either(1), a[0], weight);
+        }
+        case Op::bump: {
+            const bool known = tame(a[0], a[1], a[2]) && tame(b[0], b[1], b[2]) && tame(c[0], c[1], c[2]);
+            const auto or_given = [&](int k) {
+                return known ? join(Interval1(kDirection.lo, kDirection.hi), c[k]) : everything();
+            };
+            return {or_given(0), or_given(1), or_given(2)};
+        }
+        case Op::wireframe:
+            return Interval3(Interval1(0, 1));
         case Op::normal_map:
             return Interval3(Interval1(kDirection.lo, kDirection.hi, !tame(a[0], a[1], a[2]) || !tame(b[0])));
         default:

@@ -3,7 +3,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "shading/procedural.h"
 #include "shading/program.h"
+#include "shading/shading_inputs.h"
 
 namespace nephele {
 namespace {
@@ -22,33 +24,38 @@ void check_range(const std::string& where, const char* name, long long value, lo
 
 /// Largest mode of an operation; the smallest is 0.
 long long largest_mode(Op op) {
+    if (reads_uv(op) || reads_attribute(op) || reads_property(op) || op == Op::grid)
+        return kShift - 1;  // a number of the mesh's, the object's or the volume's; absent ones read as 0
+    if (reads_image(op))
+        return 3 << 2 | 2;
     switch (op) {
-        case Op::uv:
-        case Op::attribute:
-        case Op::attribute_alpha:
-        case Op::normal_map:
-        case Op::grid:
-            return 0xffff;  // a number of the mesh's or the volume's; absent ones read as 0
         case Op::ray_is:
             return (1 << kRayKindCount) - 1;
-        case Op::image:
-        case Op::image_alpha:
-        case Op::environment:
-        case Op::environment_mirror_ball:
-            return 7;
         case Op::noise:
-            return 11;
+            return kLargestNoiseMode;
+        case Op::voronoi:
+            return kLargestVoronoiMode;
+        case Op::white_noise:
+            return 7;
+        case Op::gabor:
+            return 6;
         case Op::gradient:
             return 6;
         case Op::ramp:
         case Op::ramp_alpha:
             return 1 << 20;
+        case Op::ray_history:
+            return kRayHistoryCount - 1;
+        case Op::convert_space:
+            return 2 << 4 | 2 << 2 | 2;
         case Op::map_range:
+        case Op::box_projection:
         case Op::channel:
             return 2;
         case Op::blend:
             return kBlendModeCount - 1;
         case Op::transform:
+        case Op::wireframe:
         case Op::layer_weight:
             return 1;
         default:
@@ -56,20 +63,30 @@ long long largest_mode(Op op) {
     }
 }
 
+/// Whether bits of a mode hold a number that means nothing: of three values, the fourth.
+bool has_spare_bits(Op op, std::int32_t mode) {
+    if (reads_image(op) || op == Op::gabor)
+        return (mode & 3) == 3;
+    return op == Op::convert_space && ((mode & 3) == 3 || (mode >> 2 & 3) == 3);
+}
+
 /// How many parameters an operation reads.
 long long parameters_read(Op op, long long mode) {
+    if (is_shiftable(op))
+        return mode >= kShift ? 1 : 0;
+    if (reads_image(op))
+        return 1;
     switch (op) {
-        case Op::image:
-        case Op::image_alpha:
-        case Op::environment:
-        case Op::environment_mirror_ball:
-            return 1;
         case Op::ramp:
             return 3 * (mode + 1);
         case Op::ramp_alpha:
             return mode + 1;
         case Op::transform:
             return 12;
+        case Op::brick:
+            return 4;
+        case Op::box_projection:
+            return 1;
         default:
             return 0;
     }
@@ -94,15 +111,17 @@ void check_instruction(const Program& program, std::size_t index, std::size_t im
         check_range(where, "an operand's register", r, 0, last);
     const Op op = static_cast<Op>(i.op);
     const bool table = op == Op::ramp || op == Op::ramp_alpha;
-    check_range(where, "the mode", i.mode, table ? 1 : 0, largest_mode(op));
+    const std::int32_t shift = is_shiftable(op) && i.mode > 0 ? i.mode / kShift : 0;
+    check_range(where, "the shift", shift, 0, 2);
+    check_range(where, "the mode", i.mode - shift * kShift, table ? 1 : 0, largest_mode(op));
+    if (has_spare_bits(op, i.mode))
+        refuse(where, "the mode is " + std::to_string(i.mode) + ", which means nothing");
     const long long read = parameters_read(op, i.mode);
     if (read == 0)
         return;
     check_range(where, "the parameter offset", i.parameter, 0,
                 static_cast<long long>(program.parameters.size()) - read);
-    const bool image = op == Op::image || op == Op::image_alpha || op == Op::environment ||
-                       op == Op::environment_mirror_ball;
-    if (image)
+    if (reads_image(op))
         check_image(program, where, i.parameter, image_count);
 }
 

@@ -46,15 +46,18 @@ Interval1 table_bounds(std::span<const float> table, std::size_t channels, std::
     const auto entry = [&](double i) {
         return static_cast<double>(table[channels * static_cast<std::size_t>(i) + channel]);
     };
+    const auto known = [](double v) {  // the difference of two such is a number
+        return std::fabs(v) < 0.5 * static_cast<double>(std::numeric_limits<float>::max());
+    };
     const auto at = [&](double x) {  // linear between entries
         const double i = std::min(std::floor(x), last - 1), a = entry(i), b = entry(i + 1);
         const double v = a + (b - a) * (x - i), size = std::fabs(a) + 2 * std::fabs(b - a);
-        return std::isfinite(v) ? rounded(Interval1(v), size) : everything();
+        return known(a) && known(b) ? rounded(Interval1(v), size) : everything();
     };
     Interval1 value = join(at(from), at(to));
     for (double i = std::ceil(from); i <= to; ++i) {
         const double v = entry(i);
-        value = join(value, std::isfinite(v) ? Interval1(v) : everything());
+        value = join(value, known(v) ? Interval1(v) : everything());
     }
     return rounded(value);
 }

@@ -16,7 +16,62 @@ struct Place {
     }
 };
 
+/// Weight of each of a cube's faces: all of the one that the normal faces clearly, and blends of two or three
+/// between them.
+Vec3f box_weights(Vec3f normal, float blend) {
+    Vec3f n(std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z));
+    n = n / std::max(n.x + n.y + n.z, 1e-20f);
+    const float limit = 0.5f * (1 + blend);
+    for (int i = 0; i < 3; ++i) {
+        const float a = n[(i + 1) % 3], b = n[(i + 2) % 3];
+        if (n[i] > limit * (n[i] + a) && n[i] > limit * (n[i] + b)) {
+            Vec3f one(0);
+            one[i] = 1;
+            return one;
+        }
+    }
+    if (!(blend > 0))
+        return {1, 0, 0};
+    for (const int rest : {2, 0, 1}) {  // faces that hardly count leave a blend of the two others
+        const int a = rest == 0 ? 1 : 0, b = rest == 2 ? 1 : 2;
+        if (n[rest] < (1 - limit) * (n[a] + n[b])) {
+            Vec3f two(0);
+            two[a] = clamp01((n[a] / (n[a] + n[b]) - 0.5f * (1 - blend)) / blend);
+            two[b] = 1 - two[a];
+            return two;
+        }
+    }
+    const Vec3f three = (n * (2 - limit) + Vec3f(limit - 1)) / blend;
+    return {clamp01(three.x), clamp01(three.y), clamp01(three.z)};  // a tiny blend amplifies rounding
+}
+
 }  // namespace
+
+Vec2f sphere_projection(Vec3f p) {
+    const float size = length(p - Vec3f(0.5f));
+    const Vec3f d = p - Vec3f(0.5f);
+    if (!(size > 0))
+        return {0, 0};
+    const float u = d.x == 0 && d.y == 0 ? 0 : 0.5f - std::atan2(d.x, d.y) / (2 * kPi);
+    return {u, 1 - std::acos(std::clamp(d.z / size, -1.0f, 1.0f)) / kPi};
+}
+
+Vec2f tube_projection(Vec3f p) {
+    const Vec3f d = p - Vec3f(0.5f);
+    if (!(d.x * d.x + d.y * d.y > 0))
+        return {0, 0};
+    return {0.5f - std::atan2(d.x, d.y) / (2 * kPi), p.z};
+}
+
+Vec3f box_projection(Vec3f p, Vec3f normal, int axis, float blend) {
+    const float weight = box_weights(normal, blend > 0 ? std::min(blend, 1.0f) : 0)[axis];
+    const auto flipped = [](bool flip, float x) { return flip ? 1 - x : x; };
+    if (axis == 0)
+        return {flipped(normal.x < 0, p.y), p.z, weight};
+    if (axis == 1)
+        return {flipped(normal.y > 0, p.x), p.z, weight};
+    return {flipped(normal.z > 0, p.y), p.x, weight};
+}
 
 bool checker_is_odd(Vec3f p) {
     const auto odd = [](float x) {

@@ -70,6 +70,21 @@ def test_folded_operations_exist():
     assert set(nodes_fold.BLEND) == set(opcodes.BLEND_MODES)
 
 
+def test_what_operations_read_is_what_they_say():
+    """`needs`, the checks of programs and the keys of a scene's parts go by opcodes.READS."""
+    said = {
+        "image": "image number",
+        "uv": "UV map number",
+        "attribute": "mesh attribute number",
+        "property": "property number",
+        "camera": "camera",
+    }
+    for kind, words in said.items():
+        names = {name for name, text in opcodes.OPCODES.items() if words in text}
+        assert names <= set(opcodes.READS[kind]) <= set(opcodes.OPCODES), kind
+    assert set(opcodes.READS["camera"]) >= {name for name, text in opcodes.OPCODES.items() if "pixel" in text}
+
+
 def test_operations_not_folded_need_the_shading_point_or_data():
     start = list(opcodes.OPCODES)
     inputs = set(start[: start.index("image")])
@@ -82,8 +97,15 @@ def test_operations_not_folded_need_the_shading_point_or_data():
         "checker_fac",
         "grid",
         "noise",
+        "voronoi",
+        "white_noise",
+        "gabor",
+        "brick",
+        "sphere_projection",
+        "tube_projection",
+        "box_projection",
     }
-    shading = {"gradient", "fresnel", "layer_weight", "normal_map"}
+    shading = {"gradient", "fresnel", "layer_weight", "normal_map", "convert_space", "bump", "wireframe"}
     assert set(opcodes.OPCODES) - set(nodes_fold.FOLD) == inputs | known | shading
 
 

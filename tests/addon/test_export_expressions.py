@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from nephele import opcodes
 from programs import POINT, Tree
 
 
@@ -235,8 +236,11 @@ def test_light_path(tree):
         node.outputs["Is Reflection Ray"], {"ray_is": lambda o, p, mode: seen.append(mode) or np.ones(3)}
     )
     assert seen == [0b000001, 0b000110]
-    tree.color(node.outputs["Ray Length"], {})
-    assert any("'Ray Length' is not supported" in text for text in tree.warnings)
+    tree.color(
+        node.outputs["Ray Length"], {"ray_history": lambda o, p, mode: seen.append(mode) or np.ones(3)}
+    )
+    assert seen[2:] == [opcodes.RAY_HISTORY.index("length")]
+    assert tree.warnings == []
 
 
 def test_registers_do_not_depend_on_the_process(bpy):

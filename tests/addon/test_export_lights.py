@@ -107,13 +107,25 @@ def test_constant_nodes_scale_the_power(bpy, light, export):
     assert scene.warnings == ()
 
 
+@pytest.mark.parametrize(("output", "warnings"), [("Quadratic", 0), ("Linear", 1)])
+def test_light_falloff_in_a_light_gives_its_strength(bpy, light, export, output, warnings):
+    data = light("POINT")
+    data.energy, data.use_nodes = 10.0, True
+    falloff = data.node_tree.nodes.new("ShaderNodeLightFalloff")
+    falloff.inputs["Strength"].default_value = 7.0
+    data.node_tree.links.new(falloff.outputs[output], data.node_tree.nodes["Emission"].inputs["Strength"])
+    scene = export()
+    assert sum("light 'Lamp', node 'Light Falloff'" in text for text in scene.warnings) == warnings
+    assert scene.lights[0].power == (70.0, 70.0, 70.0)
+
+
 def test_other_nodes_in_a_light_warn(bpy, light, export):
     data = light("POINT")
     data.use_nodes = True
-    falloff = data.node_tree.nodes.new("ShaderNodeLightFalloff")
-    data.node_tree.links.new(falloff.outputs[0], data.node_tree.nodes["Emission"].inputs["Strength"])
+    wave = data.node_tree.nodes.new("ShaderNodeTexWave")
+    data.node_tree.links.new(wave.outputs[0], data.node_tree.nodes["Emission"].inputs["Strength"])
     scene = export()
-    assert any("light 'Lamp', node 'Light Falloff'" in text for text in scene.warnings)
+    assert any("light 'Lamp', node 'Emission'" in text for text in scene.warnings)
     assert scene.lights[0].power == (10.0, 10.0, 10.0)
 
 

@@ -111,6 +111,44 @@ def test_uv_maps_and_attributes_of_a_branch_of_weight_0_are_not_read(bpy, quads,
     assert (len(mesh.uvs), len(mesh.attributes)) == (1, 1)
 
 
+def mixed_attributes(bpy, factor, *names):
+    """Returns (material, mix): two attributes of the object, the second by `factor`."""
+    material = with_nodes(bpy.data.materials.new("Attributes"))
+    tree = material.node_tree
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type, mix.inputs[0].default_value = "RGBA", factor
+    for socket, name in zip(mix.inputs[6:8], names, strict=True):
+        node = tree.nodes.new("ShaderNodeAttribute")
+        node.attribute_type, node.attribute_name = "OBJECT", name
+        tree.links.new(node.outputs["Color"], socket)
+    tree.links.new(mix.outputs[2], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    return material, mix
+
+
+def test_properties_of_a_branch_of_weight_0_are_not_read(bpy, quads, export):
+    quads["warm"], quads["cold"] = 0.25, 0.75
+    material, mix = mixed_attributes(bpy, 1.0, "warm", "cold")
+    quads.data.materials.append(material)
+    absent, cold, warm = (0.0,) * 4, (0.75, 0.75, 0.75, 1.0), (0.25, 0.25, 0.25, 1.0)
+    for factor, expected in ((1.0, (cold,)), (0.0, (absent, warm)), (0.5, (cold, warm))):
+        mix.inputs[0].default_value = factor
+        assert export().instances[0].properties == expected, factor
+
+
+def test_a_sky_of_weight_0_is_left_out(bpy, export):
+    world = with_nodes(bpy.data.worlds.new("World"))
+    bpy.context.scene.world = world
+    tree = world.node_tree
+    sky, mix = tree.nodes.new("ShaderNodeTexSky"), tree.nodes.new("ShaderNodeMix")
+    sky.sun_disc, mix.data_type, mix.inputs[0].default_value = False, "RGBA", 0
+    tree.links.new(sky.outputs[0], mix.inputs[7])
+    tree.links.new(mix.outputs[2], tree.nodes["Background"].inputs["Color"])
+    assert export().images == ()
+    mix.inputs[0].default_value = 0.5
+    (image,) = export().images
+    assert image.name == "Sky"
+
+
 def test_a_material_on_no_object_is_left_out(bpy, quads, export):
     textured(bpy, "Nowhere", image_of(bpy, "Picture", 0.5)).use_fake_user = True
     scene = export()

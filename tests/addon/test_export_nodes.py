@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from nephele import opcodes
 from programs import POINT, Tree, closure_inputs, run
 
 P = POINT["position"]
@@ -73,10 +74,10 @@ def test_reroute_and_muted_link(tree, position):
 
 def test_unsupported_node_warns_and_falls_back(tree):
     tree.emission.inputs["Color"].default_value = (0.2, 0.4, 0.6, 1)
-    node = tree.node("ShaderNodeTexVoronoi")
-    assert tree.color(node.outputs["Color"]) == pytest.approx((0.2, 0.4, 0.6))
+    node = tree.node("ShaderNodeTexIES")
+    assert tree.color(node.outputs["Fac"]) == pytest.approx((0.2, 0.4, 0.6))
     (warning,) = tree.warnings
-    assert "material 'Material', node 'Voronoi Texture'" in warning
+    assert "material 'Material', node 'IES Texture'" in warning
 
 
 def principled(tree):
@@ -175,10 +176,31 @@ def test_material_with_nothing_linked_is_black(tree):
     assert tree.compile().surface.closures == ()
 
 
-def test_displacement_warns(tree):
-    tree.link(tree.node("ShaderNodeDisplacement").outputs[0], tree.output.inputs["Displacement"])
+def test_displacement_bends_normals_and_warns_where_it_should_move_the_surface(tree, position):
+    displacement = tree.node("ShaderNodeDisplacement", {"Height": position})
+    tree.link(displacement.outputs[0], tree.output.inputs["Displacement"])
+    tree.link(tree.node("ShaderNodeBsdfDiffuse").outputs[0], tree.output.inputs["Surface"])
+    closure = tree.compile().surface.closures[0]
+    assert closure.kind == "diffuse" and closure.inputs[2] >= 0
+    assert tree.warnings == []
+    tree.material.displacement_method = "BOTH"
     tree.compile()
-    assert any("displacement" in text for text in tree.warnings)
+    assert any("true displacement is not supported" in text for text in tree.warnings)
+
+
+def test_bump_reads_its_height_at_three_places(tree, position):
+    height = tree.node("ShaderNodeSeparateXYZ", {0: position}).outputs[0]
+    bump = tree.node("ShaderNodeBump", {"Height": height, "Distance": 2.0})
+    tree.color(bump.outputs[0], POINT | {"normal": np.array((0.0, 0, 1)), "bump": lambda o, p, m: o[0]})
+    code = tree.compile().surface.code.tolist()
+    names = list(opcodes.OPCODES)
+    assert [row[7] for row in code if names[row[0]] == "position"] == [0, opcodes.SHIFT, 2 * opcodes.SHIFT]
+
+
+def test_bump_of_a_constant_leaves_the_normal(tree):
+    bump = tree.node("ShaderNodeBump", {"Height": 0.7})
+    tree.color(bump.outputs[0], {"normal": np.array((0.0, 0, 1))})
+    assert [row[0] for row in tree.compile().surface.code.tolist()] == [list(opcodes.OPCODES).index("normal")]
 
 
 def test_program_is_shared_and_dead_code_dropped(tree, position):

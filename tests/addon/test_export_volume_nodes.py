@@ -172,8 +172,8 @@ def test_grid_that_is_not_there_is_0_and_warns(tree, grids):
     assert tree.warnings == ["material 'Fog', node 'Attribute': there is no grid 'smoke' here; it is 0"]
 
 
-@pytest.mark.parametrize("kind", ["OBJECT", "INSTANCER", "VIEW_LAYER"])
-def test_attributes_of_other_types_are_0_and_warn(tree, kind):
+@pytest.mark.parametrize("kind", ["OBJECT", "INSTANCER"])
+def test_attributes_of_the_object_are_0_in_grids_and_warn(tree, kind):
     node = tree.node("Attribute", {"attribute_type": kind, "attribute_name": "smoke"})
     assert tree.compile(tree.node("VolumeScatter", Density=node.outputs["Fac"])) == ()
     assert any("node 'Attribute': attributes of type" in text for text in tree.warnings)

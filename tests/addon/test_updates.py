@@ -103,6 +103,57 @@ def grid_mesh(bpy, name, size=4):
     return mesh
 
 
+def write_grey(bpy, path, value):
+    """Writes a PNG file of one grey."""
+    image = bpy.data.images.new("Other", 4, 4)
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.pixels[:] = [value] * 64
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def material_of(bpy, name, kind, output, **properties):
+    """Returns (material, node): its colour is what a new node gives."""
+    material = with_nodes(bpy.data.materials.new(name))
+    node = material.node_tree.nodes.new(kind)
+    for key, value in properties.items():
+        setattr(node, key, value)
+    color = material.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    material.node_tree.links.new(node.outputs[output], color)
+    return material, node
+
+
+def add_numbered_images(bpy, items, folder):
+    """Gives one object an image sequence and another a tiled image."""
+    for number in range(1, 7):
+        write_grey(bpy, folder / f"shot_{number:04}.png", number / 10)
+    for number in (1001, 1002):
+        write_grey(bpy, folder / f"skin.{number}.png", number % 10 / 4)
+    shot = bpy.data.images.load(str(folder / "shot_0001.png"))
+    shot.source = "SEQUENCE"
+    skin = bpy.data.images.load(str(folder / "skin.1001.png"))
+    skin.source, skin.filepath = "TILED", str(folder / "skin.<UDIM>.png")
+    for tile in [tile for tile in skin.tiles if tile.number != 1001]:
+        skin.tiles.remove(tile)
+    skin.tiles.new(1002)
+    material, items["shot"] = material_of(bpy, "Shot", "ShaderNodeTexImage", "Color", image=shot)
+    items["shot"].image_user.frame_duration = 3
+    items["keyed"].data.materials.append(material)
+    material, items["skin"] = material_of(bpy, "Skin", "ShaderNodeTexImage", "Color", image=skin)
+    items["arrayed"].data.materials.append(material)
+
+
+def add_properties(bpy, items):
+    """Has materials read properties of objects and of the view layer."""
+    items["a"]["heat"] = items["text"]["heat"] = 0.5
+    bpy.context.view_layer["mood"] = 0.25
+    for item, kind, name in (("text", "OBJECT", "heat"), ("facing", "VIEW_LAYER", "mood")):
+        material, _ = material_of(
+            bpy, name, "ShaderNodeAttribute", "Color", attribute_type=kind, attribute_name=name
+        )
+        items[item].data.materials.append(material)
+
+
 def grouped_material(bpy, empty):
     """Returns a material whose colour comes from within two groups, from coordinates of an object."""
     inner, outer = (bpy.data.node_groups.new(name, "ShaderNodeTree") for name in ("Inner", "Outer"))
@@ -148,11 +199,7 @@ def stage(bpy, camera, link, tmp_path, openvdb):
     lamp.energy = 50
     items["lamp"] = link("Lamp", lamp)
     items["lamp"].location.z = 2
-    image = bpy.data.images.new("Painted", 4, 4)
-    image.filepath_raw, image.file_format = str(tmp_path / "painted.png"), "PNG"
-    image.pixels[:] = [0.5] * 64
-    image.save()
-    bpy.data.images.remove(image)
+    write_grey(bpy, tmp_path / "painted.png", 0.5)
     material = with_nodes(bpy.data.materials.new("Textured"))
     nodes, shader = material.node_tree.nodes, material.node_tree.nodes["Principled BSDF"]
     texture = nodes.new("ShaderNodeTexImage")
@@ -176,6 +223,9 @@ def stage(bpy, camera, link, tmp_path, openvdb):
     items["smoke"] = link("Smoke", data)
     items["smoke"].location.z = 0.3
     items["material"], items["texture"] = material, texture
+    items["facing"] = link("Facing", grid_mesh(bpy, "Facing", 1))
+    add_numbered_images(bpy, items, tmp_path)
+    add_properties(bpy, items)
     return items
 
 
@@ -190,7 +240,13 @@ def same_shapes(before, after):
 
 
 SUBDIVIDED = "Mesh"  # as Blender names what the modifier makes
-ALL = {"Plain", "Shared", SUBDIVIDED, "Keyed", "Arrayed", "Text"}
+ALL = {"Plain", "Shared", SUBDIVIDED, "Keyed", "Arrayed", "Text", "Facing"}
+
+
+def same_pictures(before, after):
+    """Returns whether images that hold the same are the same arrays."""
+    old = {(i.name, i.srgb, i.pixels.tobytes()): i.pixels for i in before.images}
+    return all(old.get((i.name, i.srgb, i.pixels.tobytes()), i.pixels) is i.pixels for i in after.images)
 
 
 def vertices_moved(bpy, s):
@@ -288,16 +344,52 @@ def pixels_set(bpy, s):
 
 def image_reloaded(bpy, s):
     """A file that another program wrote anew."""
-    path = s["texture"].image.filepath
-    image = bpy.data.images.new("Other", 4, 4)
-    image.filepath_raw, image.file_format = path, "PNG"
-    image.pixels[:] = [0.9] * 64
-    image.save()
+    write_grey(bpy, s["texture"].image.filepath, 0.9)
     s["texture"].image.reload()
 
 
 def color_space(bpy, s):
     s["texture"].image.colorspace_settings.name = "Non-Color"
+
+
+def sequence_shifted(bpy, s):
+    s["shot"].image_user.frame_offset = 1
+
+
+def sequence_rewritten(bpy, s):
+    """A file of a sequence that another program wrote anew, of which Blender is told nothing."""
+    write_grey(bpy, bpy.path.abspath(s["shot"].image.filepath).replace("_0001", "_0002"), 0.9)
+
+
+def tile_reloaded(bpy, s):
+    write_grey(bpy, s["skin"].image.filepath.replace("<UDIM>", "1002"), 0.9)
+    s["skin"].image.reload()
+
+
+def tile_added(bpy, s):
+    write_grey(bpy, s["skin"].image.filepath.replace("<UDIM>", "1011"), 0.75)
+    s["skin"].image.tiles.new(1011)
+
+
+def sky_added(bpy, s):
+    tree = bpy.context.scene.world.node_tree
+    s["sky"] = tree.nodes.new("ShaderNodeTexSky")
+    s["sky"].sun_disc = False
+    tree.links.new(s["sky"].outputs[0], tree.nodes["Background"].inputs["Color"])
+
+
+def sky_parameter(bpy, s):
+    s["sky"].sun_elevation = 0.2
+
+
+def property_of_object(bpy, s):
+    s["text"]["heat"] = 0.75
+    s["text"].update_tag()
+
+
+def property_of_view_layer(bpy, s):
+    bpy.context.view_layer["mood"] = 0.75
+    bpy.context.scene.update_tag()
 
 
 def lamp_energy(bpy, s):
@@ -377,6 +469,12 @@ EDITS = {  # edit -> meshes whose shape changes
     pixels_set: set(),
     image_reloaded: set(),
     color_space: set(),
+    sequence_shifted: set(),
+    sequence_rewritten: set(),
+    tile_reloaded: set(),
+    tile_added: set(),
+    property_of_object: set(),
+    property_of_view_layer: set(),
     lamp_energy: set(),
     world_strength: set(),
     camera_moved: set(),
@@ -389,6 +487,8 @@ EDITS = {  # edit -> meshes whose shape changes
     volume_moved: set(),
     next_frame: set(),
     glows: set(),
+    sky_added: set(),
+    sky_parameter: set(),
 }
 
 
@@ -404,6 +504,7 @@ def test_after_each_edit_the_scene_is_that_of_a_fresh_export(bpy, stage, states,
         assert content(after) != content(before), f"{edit.__name__} changes nothing"
         in_both = by_name(before.meshes).keys() & by_name(after.meshes).keys()
         assert same_shapes(before, after) == in_both - changed, edit.__name__
+        assert same_pictures(before, after), edit.__name__
         before = after
     again = states()  # nothing changed
     assert content(again) == content(before)

@@ -9,6 +9,7 @@
 #include "bounds_fixtures.h"
 #include "bytes.h"
 #include "media/program_medium.h"
+#include "shading/procedural.h"
 #include "surfaces/bsdf.h"
 
 namespace nephele::fuzz {
@@ -19,6 +20,17 @@ using test::holds;
 using test::Random;
 using test::Volume;
 
+/// A mode that the operation may have; most others are refused.
+std::int32_t mode_of(Bytes& in, Op op) {
+    const auto any = [&](std::size_t n) { return static_cast<std::int32_t>(in.below(n)); };
+    if (op == Op::voronoi)
+        return any(kLargestVoronoiMode + 1);
+    if (op == Op::noise)
+        return any(kLargestNoiseMode + 1);
+    const std::int32_t mode = any(64);
+    return is_shiftable(op) ? any(3) * kShift + mode : mode;
+}
+
 Instruction instruction_of(Bytes& in, std::size_t registers, std::size_t parameters, bool wild) {
     if (wild)
         return in.take<Instruction>();
@@ -28,7 +40,7 @@ Instruction instruction_of(Bytes& in, std::size_t registers, std::size_t paramet
     for (std::int32_t* r : {&i.dst, &i.a, &i.b, &i.c, &i.d})
         *r = any(registers);
     i.parameter = any(parameters + 1);
-    i.mode = any(64);
+    i.mode = mode_of(in, static_cast<Op>(i.op));
     return i;
 }
 
@@ -161,11 +173,11 @@ void check_surface(const Program& program, const Box& box, Volume& volume, Rando
     }
 }
 
-void check_medium(const Program& program, const Box& box, Volume& volume, Random& random) {
+void check_medium(const Program& program, const Box& box, const Mesh& mesh, Volume& volume, Random& random) {
     volume.set_point(box.lo, random);
     ShadingPoint place;
     place.instance = &volume.instance;
-    place.mesh = &volume.mesh;
+    place.mesh = &mesh;
     try {
         const ProgramMedium medium(program, nullptr, volume.fields, 1, place, volume.context,
                                    volume.image_bounds);
@@ -203,7 +215,9 @@ void program(Data data) {
     }
     check_registers(program, box, volume, random);
     check_surface(program, box, volume, random);
-    check_medium(program, box, volume, random);
+    static const Mesh box_of_grids;  // has no triangles
+    check_medium(program, box, volume.mesh, volume, random);
+    check_medium(program, box, box_of_grids, volume, random);
 }
 
 }  // namespace nephele::fuzz

@@ -14,12 +14,15 @@ SETTINGS = {"samples": 2, "threads": 1, "max_bounces": 3}
 
 
 def every_operation():
-    """Returns a program that runs each operation once and sums the results up in a register."""
-    code = []
-    for number, name in enumerate(opcodes.OPCODES):
-        mode = {"ramp": 1, "ramp_alpha": 1}.get(name, 0)
+    """Returns a program that runs each operation once, and again beside the point where it can, and sums the
+    results up in a register."""
+    code, names = [], list(opcodes.OPCODES)
+    modes = [(name, {"ramp": 1, "ramp_alpha": 1}.get(name, 0)) for name in names]
+    modes += [(name, opcodes.SHIFT) for name in names if name in opcodes.SHIFTABLE]
+    for name, mode in modes:
+        number = names.index(name)
         code.append((number, 5, 1, 2, 3, 4, 0, mode))
-        code.append((list(opcodes.OPCODES).index("multiply_add"), 6, 5, 3, 6, 0, 0, 0))
+        code.append((names.index("multiply_add"), 6, 5, 3, 6, 0, 0, 0))
     registers = [
         (1, 1, 1),
         (0.3, 0.6, 0.2),
@@ -98,7 +101,12 @@ def gallery():
         d.Image("bytes", pixels.astype(np.uint8), srgb=True),
     )
     camera = dataclasses.replace(whole.camera, motion=np.stack([camera.world_from_camera] * 2))
-    return dataclasses.replace(whole, images=images, camera=camera, shutter=(-0.25, 0.25))
+    instances = tuple(
+        dataclasses.replace(instance, properties=((0.5, 1.0, 2.0, 1.0),)) for instance in whole.instances
+    )
+    return dataclasses.replace(
+        whole, images=images, instances=instances, camera=camera, shutter=(-0.25, 0.25)
+    )
 
 
 def smoke():

@@ -64,6 +64,7 @@ class Volume {
         instance.random = 0.75f;
         instance.color = {0.1f, 0.2f, 0.3f, 1};
         instance.pass_index = 7;
+        instance.properties = {{0.5f, -2, 30, 0.25f}};
 
         Random random(1);
         std::vector<float> texels(4 * 5 * 3);

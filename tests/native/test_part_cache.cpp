@@ -5,8 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <optional>
+
+#include "bounds_fixtures.h"
 #include "math/sampler.h"
 #include "math/warp.h"
+#include "scene/part_keys.h"
 #include "scene_fixtures.h"
 
 namespace nephele::test {
@@ -117,6 +122,77 @@ TEST(SceneParts, GiveTheSameHits) {
             }
         }
     }
+}
+
+/// A program of one operation, validated; nothing where there is no such mode.
+std::optional<Program> program_of(int op, std::int32_t mode) {
+    Program program;
+    program.registers = {{0.3f, 0.2f, 0.1f}, {0.7f, 0.5f, 0.9f}, {0.2f, 0.4f, 0.6f}, Vec3f(0.5f), Vec3f(0)};
+    program.parameters.assign(16, 0.0f);
+    program.parameters[1] = 100;  // pixels
+    program.code = {{op, 4, 0, 1, 2, 3, mode >= kShift ? 1 : 0, mode}};
+    try {
+        validate(program, 1);
+    } catch (const std::invalid_argument&) {
+        return std::nullopt;
+    }
+    return program;
+}
+
+struct Told {
+    Vec3f value;
+    std::string key;
+};
+Told told(const Program& program, const ShadingPoint& point, const TextureContext& context) {
+    std::vector<Vec3f> values(program.registers.size());
+    run(program, point, context, values.data());
+    PartKey key;
+    add_to(key, program, context);
+    add_to(key, point);
+    return {values.back(), key.text()};
+}
+
+TEST(ProgramKeys, ChangeWithWhateverChangesTheValue) {
+    Volume volume;
+    volume.point.ng = volume.point.ns = normalize(Vec3f(1, 2, 3));
+    TextureContext other_camera = volume.context, other_images = volume.context;
+    other_camera.camera_from_world.translation += Vec3f(1, 2, 3);
+    other_camera.pixel_width *= 20;
+    std::vector<Image> images = volume.images;
+    images[0].floats = Buffer(std::vector<float>(images[0].floats.size(), 7.0f));
+    other_images.images = images;
+    Instance instance = volume.instance;
+    instance.random = 0.25f;
+    instance.color = {0.9f, 0.8f, 0.7f, 0.5f};
+    instance.pass_index = 3;
+    instance.properties = {{9, 8, 7, 6}};
+    ShadingPoint other_object = volume.point;
+    other_object.instance = &instance;
+    int camera = 0, image = 0, object = 0;  // operations whose values changed
+    for (int op = 0; op < kOpCount; ++op) {
+        bool of_camera = false, of_image = false, of_object = false;
+        for (std::int32_t mode = 0; mode < 64 + 2; ++mode) {
+            const auto program = program_of(op, mode < 64 ? mode : (mode - 63) * kShift);
+            if (!program)
+                continue;
+            const Told before = told(*program, volume.point, volume.context);
+            const auto compare = [&](const Told& after, bool& changed) {
+                if (std::memcmp(&after.value, &before.value, sizeof(Vec3f)) == 0)
+                    return;
+                changed = true;
+                EXPECT_NE(after.key, before.key) << kOpNames[op] << ", mode " << program->code[0].mode;
+            };
+            compare(told(*program, volume.point, other_camera), of_camera);
+            compare(told(*program, volume.point, other_images), of_image);
+            compare(told(*program, other_object, volume.context), of_object);
+        }
+        camera += of_camera;
+        image += of_image;
+        object += of_object;
+    }
+    EXPECT_GE(camera, 5);
+    EXPECT_EQ(image, 4);
+    EXPECT_GE(object, 6);
 }
 
 }  // namespace

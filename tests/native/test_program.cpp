@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scene/mesh.h"
+#include "shading/shading_inputs.h"
 #include "surface_fixtures.h"
 
 namespace nephele {
@@ -41,6 +42,7 @@ struct Fixture {
         instance.random = 0.75f;
         instance.color = {0.1f, 0.2f, 0.3f, 1};
         instance.pass_index = 7;
+        instance.properties = {{0.1f, 0.2f, 0.3f, 0.4f}};
 
         point.instance = &instance;
         point.mesh = &mesh;
@@ -50,6 +52,8 @@ struct Fixture {
         point.ng = point.ns = {0, 0, 1};
         point.wo = normalize(Vec3f(1, 0, 1));
         point.ray_kind = kGlossyRay;
+        point.history = RayHistory{.depth = 4, .diffuse = 1}.after(kGlossyRay, true);
+        point.history.length = 2.5f;
 
         const auto ramp = [](float first) {
             const float values[8] = {first, first, first, first, first + 1, first + 1, first + 1, first + 1};
@@ -123,13 +127,51 @@ const std::vector<Row>& rows() {
         {Op::attribute, {}, {0.25f, 0.5f, 0.25f}},
         {Op::attribute, {}, s(0), 1},
         {Op::attribute_alpha, {}, s(0.5f)},
+        {Op::object_alpha, {}, s(1)},
+        {Op::object_attribute, {}, {0.1f, 0.2f, 0.3f}},
+        {Op::object_attribute, {}, s(0), 1},
+        {Op::object_attribute_alpha, {}, s(0.4f)},
+        {Op::ray_history, {}, s(2.5f), 0},
+        {Op::ray_history, {}, s(5), 1},
+        {Op::ray_history, {}, s(1), 2},
+        {Op::ray_history, {}, s(1), 3},
+        {Op::ray_history, {}, s(0), 4},
+        {Op::ray_history, {}, s(1), 6},
+        {Op::parametric, {}, {0.25f, 0.5f, 0}},
+        {Op::uv_tangent, {}, {1, 0, 0}},
+        {Op::uv_tangent, {}, s(0), 3},
+        // A step of 100 pixels, 0.01 m wide each, along (1, -1, 0) and (1, 1, 0).
+        {Op::position, {}, {11.70710678f, 19.79289322f, 30}, kShift, {100}},
+        {Op::position, {}, {11.70710678f, 21.20710678f, 30}, 2 * kShift, {100}},
+        {Op::uv, {}, {0.85355339f, -0.10355339f, 0}, kShift, {100}},
+        {Op::sphere_projection, {{0.5f, 0.5f, 1}}, {0, 1, 0}},
+        {Op::sphere_projection, {{1, 0.5f, 0.5f}}, {0.25f, 0.5f, 0}},
+        {Op::tube_projection, {{0.5f, 1, 0.3f}}, {0.5f, 0.3f, 0}},
+        {Op::box_projection, {{0.2f, 0.3f, 0.4f}, {0, 0, 1}}, {0.7f, 0.2f, 1}, 2, {0}},
+        {Op::box_projection, {{0.2f, 0.3f, 0.4f}, {-1, 0.9f, 0}}, {0.7f, 0.4f, 0.6315789f}, 0, {0.2f}},
+        {Op::voronoi, {{1.25f, 2, 3}, s(1), {0, 0.5f, 2}, {1, 0, 0}}, s(0.25f)},  // points at the corners
+        {Op::voronoi, {{0.5f, 1, 1.5f}, s(2), {0, 0.5f, 2}, {1, 0, 0}}, {0.5f, 1, 1.5f}, 2},
+        {Op::white_noise, {{1, 2, 9}}, s(0.5404823f), 2},
+        {Op::gabor, {s(INFINITY), s(1), s(1)}, s(0.5f)},
+        {Op::brick, {{0.25f, 0.125f, 0}, {0.02f, 0, 1}, {0.5f, 0.25f, 0}}, {1, 1, 0}, 0, {0.5f, 1, 2, 2}},
+        {Op::brick, {{0.5f, 0.125f, 0}, {0.02f, 0, 1}, {0.5f, 0.25f, 0}}, {1, 0, 0}, 0, {0.5f, 1, 2, 2}},
+        {Op::convert_space, {{0.5f, 0.25f, 0}}, {11, 20.5f, 30}, 1},
+        {Op::convert_space, {{0.5f, 0.25f, 0}}, {1, 0.5f, 0}, 1 | 1 << 4},
+        {Op::convert_space, {{11, 20.5f, 30}}, {0, 0, 10}, 2 << 2},
+        {Op::bump, {s(3), {1, 1, 0.5f}, {0, 0, 1}}, {0, 0, 1}},
+        {Op::bump, {{0, 0.005f, 0}, {1, 1, 0.5f}, {0, 0, 1}}, {-0.5f, 0.5f, 0.70710678f}},
+        {Op::bump, {{0, 0.005f, 0}, {0, 1, 0.5f}, {0, 0, 1}}, {0, 0, 1}},
+        {Op::wireframe, {s(0.8f)}, s(1)},  // 0.354 m from the nearest edge
+        {Op::wireframe, {s(0.6f)}, s(0)},
+        {Op::wireframe, {s(80)}, s(1), 1},
         {Op::image, {{0.25f, 0.5f, 0}}, {1, 0, 0}, 0, {0}},
         {Op::image, {{0.5f, 0.5f, 0}}, {0.5f, 0.5f, 0}, 0, {0}},
-        {Op::image, {{0.6f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},             // closest
-        {Op::image, {{-0.25f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},           // repeat
-        {Op::image, {{-0.25f, 0.5f, 0}}, {1, 0, 0}, 1 | 1 << 1, {0}},  // extend
-        {Op::image, {{-0.25f, 0.5f, 0}}, s(0), 1 | 2 << 1, {0}},       // clip
-        {Op::image, {{-0.75f, 0.5f, 0}}, {0, 1, 0}, 1 | 3 << 1, {0}},  // mirror
+        {Op::image, {{0.6f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},                          // closest
+        {Op::image, {{-0.25f, 0.5f, 0}}, {0, 1, 0}, 1, {0}},                        // repeat
+        {Op::image, {{-0.25f, 0.5f, 0}}, {1, 0, 0}, 1 | 1 << 2, {0}},               // extend
+        {Op::image, {{-0.25f, 0.5f, 0}}, s(0), 1 | 2 << 2, {0}},                    // clip
+        {Op::image, {{-0.75f, 0.5f, 0}}, {0, 1, 0}, 1 | 3 << 2, {0}},               // mirror
+        {Op::image, {{0.25f, 0.5f, 0}}, {5.0f / 6, 1.0f / 6, 0}, 2 | 1 << 2, {0}},  // cubic
         {Op::image_alpha, {{0.75f, 0.5f, 0}}, s(0.75f), 0, {0}},
         {Op::environment, {{0, 1, 0}}, {1, 0, 0}, 0, {0}},   // a quarter of the way: the first texel's centre
         {Op::environment, {{0, -5, 0}}, {0, 1, 0}, 0, {0}},  // any length
@@ -223,7 +265,7 @@ const std::vector<Row>& rows() {
         {Op::hue_saturation, {{0.5f, 0.25f, 0.25f}, {0.5f, 1, 2}, s(1)}, {1, 0.5f, 0.5f}},
         {Op::hue_saturation, {{0.5f, 0.25f, 0.25f}, {1, 1, 1}, s(1)}, {0.25f, 0.5f, 0.5f}},
         {Op::hue_saturation, {{0.5f, 0.25f, 0.25f}, {0.5f, 0, 1}, s(0.5f)}, {0.5f, 0.375f, 0.375f}},
-        {Op::bright_contrast, {{0.5f, 0, 1}, {0.1f, 0.2f, 0}}, {0.6f, 0, 1.2f}},
+        {Op::bright_contrast, {{0.5f, 0, 1}, {0.1f, 7, 7}, {0.2f, 7, 7}}, {0.6f, 0, 1.2f}},
         {Op::gamma, {{4, -1, 0}, s(0.5f)}, {2, -1, 0}},
         {Op::invert, {{0.2f, 0, 1}, s(1)}, {0.8f, 1, 0}},
         {Op::invert, {{0.2f, 0, 1}, s(0.5f)}, s(0.5f)},

@@ -21,15 +21,28 @@ int modes_of(Op op) {
         case Op::image_alpha:
         case Op::environment:
         case Op::environment_mirror_ball:
-            return 8;
+            return 15;
         case Op::noise:
-            return 12;
+            return 5 * 16;
+        case Op::voronoi:
+            return 5 * 128;
+        case Op::white_noise:
+            return 8;
+        case Op::gabor:
+            return 7;
         case Op::gradient:
             return 7;
         case Op::map_range:
+        case Op::box_projection:
         case Op::channel:
             return 3;
+        case Op::convert_space:
+            return 43;
+        case Op::ray_history:
+            return kRayHistoryCount;
         case Op::layer_weight:
+        case Op::wireframe:
+        case Op::object_attribute:
         case Op::transform:
         case Op::uv:
         case Op::attribute:
@@ -46,13 +59,15 @@ int modes_of(Op op) {
 constexpr int kTableEntries = 17;
 struct Parameters {
     std::vector<float> values;
-    int zero = 0, matrix, table;
+    int zero = 0, matrix, wall, table;
 
     explicit Parameters(Random& random) {
         values.push_back(0);  // the image's number
         matrix = static_cast<int>(values.size());
         for (int i = 0; i < 12; ++i)
             values.push_back(random.between(-2, 2));
+        wall = static_cast<int>(values.size());
+        values.insert(values.end(), {0.5f, 0.8f, 2, 3});
         table = static_cast<int>(values.size());
         for (int i = 0; i < 3 * kTableEntries; ++i)
             values.push_back(random.below(3) == 0 ? 0 : random.between(-1, 3));
@@ -60,14 +75,18 @@ struct Parameters {
     void place(Instruction& i, Random& random) const {
         const Op op = static_cast<Op>(i.op);
         const bool ramp = op == Op::ramp || op == Op::ramp_alpha;
-        i.parameter = ramp ? table : op == Op::transform ? matrix : zero;
+        i.parameter = ramp ? table : op == Op::transform ? matrix : op == Op::brick ? wall : zero;
         i.mode = ramp ? kTableEntries - 1 : random.below(modes_of(op));
+        if ((reads_image(op) || op == Op::gabor || op == Op::convert_space) && (i.mode & 3) == 3)
+            i.mode -= 1;  // two bits that count to 2
+        if (op == Op::convert_space && (i.mode >> 2 & 3) == 3)
+            i.mode -= 1 << 2;
     }
 };
 
 /// Operands of which an operation is asked: settings of noise stay in their ranges more often than not.
 Interval3 operands(Op op, int number, Random& random) {
-    if (op == Op::noise && random.below(5) != 0) {
+    if ((op == Op::noise || op == Op::voronoi) && random.below(5) != 0) {
         if (number == 2)
             return Interval3(Vec3f(random.between(0, 4), random.between(0, 1), random.between(1.5f, 3)));
         if (number == 1)

@@ -27,6 +27,10 @@ Program sound_program() {
     return program;
 }
 
+Instruction of(Op op, std::int32_t mode) {
+    return {static_cast<std::int32_t>(op), 1, 0, 0, 0, 0, 0, mode};
+}
+
 TEST(Validate, AcceptsASoundProgram) {
     EXPECT_NO_THROW(validate(sound_program(), 1));
 }
@@ -40,7 +44,20 @@ TEST(Validate, RefusesWhatIsOutOfRangeAndSaysWhat) {
         {"destination register", [](Program& p) { p.code[0].dst = 99; }},
         {"operand's register", [](Program& p) { p.code[0].a = -1; }},
         {"operand's register", [](Program& p) { p.code[0].d = 1 << 30; }},
-        {"the mode", [](Program& p) { p.code[0].mode = 8; }},
+        {"the mode", [](Program& p) { p.code[0].mode = 16; }},
+        {"the mode is 7", [](Program& p) { p.code[0].mode = 1 << 2 | 3; }},
+        {"the mode is 3", [](Program& p) { p.code[0] = of(Op::gabor, 3); }},
+        {"the mode is 3", [](Program& p) { p.code[0] = of(Op::convert_space, 3); }},
+        {"the mode", [](Program& p) { p.code[0] = of(Op::voronoi, 5 << 7); }},
+        {"the mode", [](Program& p) { p.code[0] = of(Op::ray_history, kRayHistoryCount); }},
+        {"the shift", [](Program& p) { p.code[0] = of(Op::position, 3 * kShift); }},
+        {"the mode", [](Program& p) { p.code[0] = of(Op::normal, kShift); }},
+        {"parameter offset",
+         [](Program& p) {
+             p.code[0] = of(Op::uv, kShift);
+             p.code[0].parameter = 1;
+         }},
+        {"parameter offset", [](Program& p) { p.code[0] = of(Op::brick, 0); }},
         {"the mode", [](Program& p) { p.code[0].mode = -1; }},
         {"parameter offset", [](Program& p) { p.code[0].parameter = 1; }},
         {"parameter offset", [](Program& p) { p.code[0].parameter = -1; }},

@@ -351,12 +351,13 @@ TEST(StabilityShading, ImageFarOut) {
                     v = static_cast<float>(rng.next_uint() % 1024) / 1024;
         const float far = 2 * static_cast<float>(static_cast<int>(rng.next_uint() % 8190) - 4095);
         for (const auto extension : {Image::Extension::repeat, Image::Extension::mirror}) {
-            const Rgb near = image.sample({u, v}, false, extension).rgb,
-                      there = image.sample({u + far, v - far}, false, extension).rgb;
+            const Rgb near = image.sample({u, v}, Image::Filter::linear, extension).rgb,
+                      there = image.sample({u + far, v - far}, Image::Filter::linear, extension).rgb;
             worst.error(length(Exact3(near) - Exact3(there)), {u, v, far});
         }
     }
-    EXPECT_TRUE(is_finite(image.sample({1e38f, -1e38f}, false, Image::Extension::repeat).rgb));
+    EXPECT_TRUE(
+        is_finite(image.sample({1e38f, -1e38f}, Image::Filter::linear, Image::Extension::repeat).rgb));
 }
 
 }  // namespace

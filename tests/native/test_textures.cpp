@@ -134,7 +134,7 @@ TEST(Images, DecodeBytes) {
 TEST(Images, FilterBilinearlyWithRowsFromTheBottom) {
     const Image image = bytes(2, 2, {0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 255, 255, 0, 255}, false);
     const auto at = [&](float u, float v) {
-        return image.sample({u, v}, false, Image::Extension::extend).rgb;
+        return image.sample({u, v}, Image::Filter::linear, Image::Extension::extend).rgb;
     };
     EXPECT_NEAR(at(0.5f, 0.5f).x, 0.5f, 1e-6);
     EXPECT_NEAR(at(0.25f, 0.25f).y, 0, 1e-6);
@@ -142,7 +142,7 @@ TEST(Images, FilterBilinearlyWithRowsFromTheBottom) {
     EXPECT_NEAR(at(0.375f, 0.25f).x, 0.25f, 1e-6);
     EXPECT_NEAR(at(-3, 0.25f).x, 0, 1e-6);
     const auto repeated = [&](float u) {
-        return image.sample({u, 0.25f}, false, Image::Extension::repeat).rgb.x;
+        return image.sample({u, 0.25f}, Image::Filter::linear, Image::Extension::repeat).rgb.x;
     };
     EXPECT_NEAR(repeated(0), 0.5f, 1e-6);  // halfway between the last texel and the first
     EXPECT_NEAR(repeated(-0.25f), 1, 1e-6);
@@ -153,13 +153,14 @@ TEST(Images, SurviveExtremeCoordinates) {
     const Image image = bytes(2, 2, std::vector<std::uint8_t>(16, 255), true);
     for (const float u : {1e30f, -1e30f, INFINITY, NAN, 1.0f, -0.0f, 1.0000001f, 0.99999994f, -1e-10f}) {
         for (int e = 0; e < 4; ++e) {
-            for (const bool closest : {false, true}) {
-                const Image::Texel t = image.sample({u, u}, closest, static_cast<Image::Extension>(e));
-                EXPECT_TRUE(t.rgb == Rgb(1) || t.rgb == Rgb(0)) << u << " extension " << e;
+            for (int f = 0; f < 3; ++f) {
+                const Image::Texel t =
+                    image.sample({u, u}, static_cast<Image::Filter>(f), static_cast<Image::Extension>(e));
+                EXPECT_TRUE(length(t.rgb - Rgb(1)) < 1e-6f || t.rgb == Rgb(0)) << u << " extension " << e;
             }
         }
     }
-    EXPECT_EQ(image.sample({0.5f, 1.5f}, true, Image::Extension::clip).alpha, 0);
+    EXPECT_EQ(image.sample({0.5f, 1.5f}, Image::Filter::closest, Image::Extension::clip).alpha, 0);
 }
 
 TEST(Colors, ConversionsInvertEachOther) {
