@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from .. import description, vdb_info
+from ..errors import InputError
 from .context import ExportError
 from .fluid_cells import adapted_cells, whole_domain
 from .hash import random_number
@@ -113,7 +114,13 @@ def object_from_cache(cells, scale):
 def _with_noise(item, base, noise, voxel, noise_scale):
     """Returns the path of a new temporary VDB file: the grids of file `noise` under the names that shaders
     know, and those of file `base` (velocity, temperature, ...) that the noise does not refine."""
-    openvdb = vdb_info.module()
+    try:
+        openvdb = vdb_info.module()
+    except InputError as error:
+        raise ExportError(
+            f"fluid domain '{item.name}': its noise cannot be brought together with the base: "
+            f"{error}, or disable the domain's noise"
+        ) from error
     path = temporary_vdb()
     try:
         fine, _ = openvdb.readAll(str(noise))
