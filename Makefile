@@ -4,13 +4,15 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long lint format asan bench bench-foundation scenes bake clean
+.PHONY: help setup build render test test-long lint format asan bench bench-foundation scenes bake clean extension test-blender
 
 python := .venv/bin/python
 
-# Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`.
+# Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`,
+# `make test-blender BLENDERS="trixie venv"`.
 ARGS ?=
 FILES ?=
+BLENDERS ?=
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-17s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -32,6 +34,15 @@ test: setup ## run every test but the long ones
 
 test-long: build ## run the tests that take minutes each
 	$(python) -m pytest -m long --durations=0 $(ARGS)
+
+extension: setup ## build the zips that Blender installs, into dist/
+	@scripts/setup.sh extension
+	@scripts/extension.sh
+
+test-blender: build ## test the zips in five Blenders, which it makes (8 GB, root; BLENDERS="trixie" for some)
+	@scripts/setup.sh extension
+	@scripts/extension.sh py311 py312 system
+	@scripts/test_blender.sh $(BLENDERS)
 
 lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
 	@scripts/setup.sh lint
@@ -59,4 +70,4 @@ bake: build ## bake the smoke simulation anew (installs Debian's Blender)
 	bash blend_scenes/smoke/bake.sh
 
 clean: ## remove what was built; .venv and out/ stay
-	rm -rf build *.egg-info
+	rm -rf --one-file-system build dist *.egg-info

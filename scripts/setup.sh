@@ -4,7 +4,7 @@
 # Makes a clone ready to build: Debian packages, .venv with pinned Python packages, and the package `nephele`
 # (the folder addon/) installed there in editable form. Each step leaves a stamp holding what it was made from,
 # so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`, `setup.sh bench`
-# the other renderers that bench/ measures against.
+# the other renderers that bench/ measures against, `setup.sh extension` what packs wheels.
 #
 # PYTHON=PATH chooses the Python 3.11 that .venv is made from.
 
@@ -80,16 +80,17 @@ install_requirements() {
     write_stamp requirements "$made_from"
 }
 
-install_bench() {
+# install_extra NAME FILE: what only some targets need.
+install_extra() {
     local made_from
-    made_from=$(sha256sum bench/requirements.txt)
-    if stamp_is bench "$made_from"; then
+    made_from=$(sha256sum "$2")
+    if stamp_is "$1" "$made_from"; then
         return
     fi
-    step "Installing the renderers of bench/requirements.txt"
-    quietly build/bench.log "check the network, then try again" \
-        .venv/bin/python -m pip --disable-pip-version-check install --no-deps --requirement bench/requirements.txt
-    write_stamp bench "$made_from"
+    step "Installing the Python packages of $2"
+    quietly "build/$1.log" "check the network, then try again" \
+        .venv/bin/python -m pip --disable-pip-version-check install --no-deps --requirement "$2"
+    write_stamp "$1" "$made_from"
 }
 
 install_nephele() {
@@ -121,7 +122,8 @@ fi
 ensure_packages "${packages[@]}"
 make_venv "$python"
 install_requirements
-if [[ ${1:-} == bench ]]; then
-    install_bench
-fi
+case ${1:-} in
+    bench) install_extra bench bench/requirements.txt ;;
+    extension) install_extra extension tools/extension/requirements.txt ;;
+esac
 install_nephele
