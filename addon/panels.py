@@ -213,7 +213,8 @@ def compatible_panels():
         engines = getattr(panel, "COMPAT_ENGINES", ())
         for_all = (
             "BLENDER_RENDER" in engines
-            and panel.__name__ not in EXCLUDED
+            # The shader editor's copy of a panel shares its set of engines with the original.
+            and panel.__name__.removeprefix("NODE_") not in EXCLUDED
             and "freestyle" not in panel.__name__
         )
         if for_all or panel.__name__ in ADOPTED:
