@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which panels the properties editor shows for Nephele."""
 
-from nephele import panels
+from nephele import object_panels, panels
+from nephele.export.objects import VISIBILITY
 
 
 def test_no_excluded_panel_is_ours(bpy):
@@ -10,3 +11,7 @@ def test_no_excluded_panel_is_ours(bpy):
     }
     assert "DATA_PT_EEVEE_light" in shown
     assert shown & panels.EXCLUDED == set()
+
+
+def test_every_ray_visibility_that_the_exporter_reads_has_its_box():
+    assert {f"visible_{rays}" for rays in object_panels.RAYS} == set(VISIBILITY)
