@@ -11,7 +11,6 @@ ROOT = Path(__file__).resolve().parents[2]
 INSIDE = Path(__file__).resolve().parent / "inside"
 BUILD = ROOT / "build"
 SCREENSHOTS = BUILD / "screenshots"
-SCREEN = (1600, 1000)
 
 
 @dataclass(frozen=True)
@@ -86,12 +85,12 @@ class Executable(Host):
         user = f"BLENDER_USER_RESOURCES={RESOURCES}"
         return [*self.inside(), "env", user, "blender", "--python-exit-code", "1", *options]
 
-    def show(self, script, *arguments, resources, timeout=600):
+    def show(self, script, *arguments, resources, screen=(1600, 1000), timeout=600):
         """Runs a script with Blender's windows; events are the script's to make. Returns what was printed."""
-        screen = f"{SCREEN[0]}x{SCREEN[1]}"
-        command = self.blender("--enable-event-simulate", "--window-geometry", "0", "0", *map(str, SCREEN))
+        mode = "{}x{}x24".format(*screen)
+        command = self.blender("--enable-event-simulate", "--window-geometry", "0", "0", *map(str, screen))
         place = command.index("blender")
-        command[place:place] = ["xvfb-run", "--auto-servernum", "--server-args", f"-screen 0 {screen}x24"]
+        command[place:place] = ["xvfb-run", "--auto-servernum", "--server-args", f"-screen 0 {mode}"]
         command += ["--python", str(INSIDE / script), "--", *map(str, arguments)]
         return run(command, resources, timeout)
 

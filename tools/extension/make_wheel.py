@@ -98,8 +98,18 @@ def make(kind):
     return pack(folder, kind.wheel_folder), renamed
 
 
+def is_finished(kind):
+    """Whether the kind's wheel is later than all that it is made from."""
+    found = list(kind.wheel_folder.glob("*.whl"))
+    sources = [kind.build / MODULES[kind.wheel][0], *Path(__file__).parent.glob("*.py")]
+    return len(found) == 1 and all(found[0].stat().st_mtime > path.stat().st_mtime for path in sources)
+
+
 def main():
-    path, renamed = make(KINDS[sys.argv[1]])
+    kind = KINDS[sys.argv[1]]
+    if is_finished(kind):
+        return
+    path, renamed = make(kind)
     size = Path(path).stat().st_size / 2**20
     print(
         f"    {path.relative_to(ROOT)}: {size:.1f} MiB, {renamed} symbols of bundled libraries made private"

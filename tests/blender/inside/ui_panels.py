@@ -29,15 +29,6 @@ TABS = (
 )
 
 
-def open_all_panels():
-    """Makes our panels that are closed at first open: Blender offers scripts no other way."""
-    for cls in reversed(common.part("panels").CLASSES):
-        bpy.utils.unregister_class(cls)
-    for cls in common.part("panels").CLASSES:
-        cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
-        bpy.utils.register_class(cls)
-
-
 def activate(kind):
     """Makes the first object of a type the active one."""
     found = next(item for item in bpy.context.scene.objects if item.type == kind)
@@ -46,17 +37,16 @@ def activate(kind):
 
 
 def scenario():
-    """Looks at the preferences after the installation, then at the tabs, with the panels closed and open."""
+    """Looks at the preferences after the installation, then at the tabs: as they open at first, and searched
+    for a letter that every label has, which opens and draws every panel there is."""
     _, package, blend = common.arguments()
     with stage.override():
         common.install(package)
-        bpy.ops.screen.userpref_show(section="ADDONS")
     bpy.context.window_manager.addon_search = "Nephele"
+    bpy.context.preferences.active_section = "ADDONS"
+    stage.largest_area().type = "PREFERENCES"
     yield 2.0
     stage.screenshot("installed")
-    preferences = next(w for w in bpy.context.window_manager.windows if w != stage.window())
-    with bpy.context.temp_override(window=preferences):
-        bpy.ops.wm.window_close()
     bpy.ops.wm.open_mainfile(filepath=blend)
     yield 2.0
     bpy.context.scene.render.engine = "NEPHELE"
@@ -64,16 +54,17 @@ def scenario():
     area = stage.largest_area()
     area.type = "PROPERTIES"
     yield 1.0
-    for state in ("", "_open"):
-        if state:
-            open_all_panels()
+    for search in ("", "e"):
+        area.spaces.active.search_filter = search
         for tab, kind in TABS:
             if kind:
                 activate(kind)
                 yield 0.5  # the tabs follow the active object
             area.spaces.active.context = tab
             yield 1.5
-            stage.screenshot(f"tab_{tab.lower()}{'_' + kind.lower() if kind else ''}{state}")
+            stage.screenshot(
+                f"tab_{tab.lower()}{'_' + kind.lower() if kind else ''}{'_searched' if search else ''}"
+            )
     bpy.ops.wm.save_userpref()
 
 
