@@ -9,10 +9,11 @@
 python := .venv/bin/python
 
 # Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`,
-# `make test-blender BLENDERS="trixie venv"`.
+# `make test-blender BLENDERS="trixie venv"`, `make extension KINDS=system`.
 ARGS ?=
 FILES ?=
 BLENDERS ?=
+KINDS ?=
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-17s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -37,7 +38,7 @@ test-long: build ## run the tests that take minutes each
 
 extension: setup ## build the zips that Blender installs, into dist/
 	@scripts/setup.sh extension
-	@scripts/extension.sh
+	@scripts/extension.sh $(KINDS)
 
 test-blender: build ## test the zips in five Blenders, which it makes (8 GB, root; BLENDERS="trixie" for some)
 	@scripts/setup.sh extension

@@ -3,7 +3,8 @@
 #
 # Builds the extension's zips into dist/: the native module for any processor from x86-64-v3 on, once for Python 3.11
 # and once for every later Python, each in a wheel with the libraries it needs (tools/extension/make_wheel.py), each
-# wheel in a zip of its own with the add-on (make_zip.py). `extension.sh py311` or `py312` builds one of them.
+# wheel in a zip of its own with the add-on (make_zip.py). `extension.sh KIND...` builds those of
+# tools/extension/kinds.py; py311 and py312 without one.
 
 source "$(dirname "$0")/common.sh"
 source scripts/debian_packages.sh
@@ -11,8 +12,10 @@ source scripts/debian_packages.sh
 folder=build/extension
 headers=build/python_headers
 header_release=trixie header_package=libpython3.13-dev header_version=python3.13
-kinds=("${@:-py311 py312}")
-read -ra kinds <<<"${kinds[*]}"
+kinds=("$@")
+if ((${#kinds[@]} == 0)); then
+    kinds=(py311 py312)
+fi
 
 # Debian 12 has no Python from 3.12 on. Its headers are all that the stable ABI takes, and a later Debian's package has
 # them: apt fetches it with lists of its own, and nothing is installed.
@@ -49,7 +52,7 @@ build_modules() {
             fail "CMake could not configure $folder: see the message above"
     fi
     [[ " ${kinds[*]} " != *" py311 "* ]] || targets+=(nephele_native)
-    [[ " ${kinds[*]} " != *" py312 "* ]] || targets+=(nephele_native_stable)
+    [[ " ${kinds[*]} " != *" py312 "* && " ${kinds[*]} " != *" system "* ]] || targets+=(nephele_native_stable)
     step "Building $folder (${targets[*]})"
     cmake --build "$folder" --parallel "$(nproc)" --target "${targets[@]}" ||
         fail "the build of ${targets[*]} failed: see the compiler's message above"

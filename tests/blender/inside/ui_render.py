@@ -46,6 +46,9 @@ def open_small(blend, samples):
     scene = common.open_scene(blend, *SIZE, samples)
     scene.render.engine = "NEPHELE"
     common.write_exr(scene)
+    for area in stage.window().screen.areas:
+        if area.type == "PROPERTIES":
+            area.spaces.active.context = "RENDER"
     return scene
 
 
@@ -66,7 +69,8 @@ def still(blend):
     yield 6.0
     stage.screenshot("f12_later")
     assert engine().last_render.state == "running"
-    stage.press("ESC", bpy.context.window_manager.windows[-1])
+    for window in bpy.context.window_manager.windows:  # which one listens differs between Blenders
+        stage.press("ESC", window)
     yield ended
     expect("cancelled")
     stage.screenshot("f12_cancelled")
