@@ -28,6 +28,9 @@ GROUPS = (  # (group of parameters, label, closed at first), in the order shown
 # Blender's properties shown beside ours: group -> names in Scene.render.
 BLENDER_PROPERTIES = {"film": ("film_transparent",), "performance": ("threads_mode", "threads")}
 
+# Ours that Blender's stand for in its panels: the command line's --threads comes before Blender's setting.
+COMMAND_LINE_ONLY = {"threads"}
+
 # Panels for every engine that would promise what we do not have, or that ours replace.
 EXCLUDED = {
     "DATA_PT_light",
@@ -70,10 +73,13 @@ class _GroupPanel(OurPanel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         for parameter in PARAMETERS:
-            if parameter.group == self.group:
+            if parameter.group == self.group and parameter.name not in COMMAND_LINE_ONLY:
                 layout.prop(context.scene.nephele, parameter.name)
+        render = context.scene.render
         for name in BLENDER_PROPERTIES.get(self.group, ()):
-            layout.prop(context.scene.render, name)
+            row = layout.row()
+            row.enabled = name != "threads" or render.threads_mode == "FIXED"
+            row.prop(render, name)
 
 
 def _group_panel(group, label, closed):
