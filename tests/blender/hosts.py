@@ -86,9 +86,9 @@ class Executable(Host):
         return [*self.inside(), "env", user, "blender", "--python-exit-code", "1", *options]
 
     def show(self, script, *arguments, resources, screen=(1600, 1000), timeout=600):
-        """Runs a script with Blender's windows; events are the script's to make. Returns what was printed."""
+        """Runs a script with Blender's windows on a display without a screen. Returns what was printed."""
         mode = "{}x{}x24".format(*screen)
-        command = self.blender("--enable-event-simulate", "--window-geometry", "0", "0", *map(str, screen))
+        command = self.blender("--window-geometry", "0", "0", *map(str, screen))
         place = command.index("blender")
         command[place:place] = ["xvfb-run", "--auto-servernum", "--server-args", f"-screen 0 {mode}"]
         command += ["--python", str(INSIDE / script), "--", *map(str, arguments)]

@@ -34,11 +34,10 @@ def screenshot(name):
     return path
 
 
-def press(key, target=None):
-    """Presses and releases a key in a window, the main one by default."""
-    target = target or window()
-    target.event_simulate(type=key, value="PRESS", x=target.width // 2, y=target.height // 2)
-    target.event_simulate(type=key, value="RELEASE", x=target.width // 2, y=target.height // 2)
+def press(key):
+    """Presses a key over the middle of the display, where Blender opens the window of a render. Blender's own
+    simulated events do not stop a job."""
+    subprocess.run(["xdotool", "mousemove", "800", "500", "key", key], check=True, timeout=60)
 
 
 def largest_area():
