@@ -85,7 +85,7 @@ class Executable(Host):
         user = f"BLENDER_USER_RESOURCES={RESOURCES}"
         return [*self.inside(), "env", user, "blender", "--python-exit-code", "1", *options]
 
-    def show(self, script, *arguments, resources, screen=(1600, 1000), timeout=600):
+    def show(self, script, *arguments, resources, screen=(1600, 1000), timeout=1500):
         """Runs a script with Blender's windows on a display without a screen. Returns what was printed."""
         mode = "{}x{}x24".format(*screen)
         command = self.blender("--window-geometry", "0", "0", *map(str, screen))

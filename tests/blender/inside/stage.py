@@ -18,7 +18,7 @@ from pathlib import Path
 import bpy
 import common
 
-WAIT_AT_MOST = 120.0  # seconds, on a machine with other things to do
+WAIT_AT_MOST = 400.0  # seconds, on a machine with other things to do
 LOOK_EVERY = 0.2
 
 

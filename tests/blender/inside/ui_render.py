@@ -13,7 +13,7 @@ import bpy
 import common
 import stage
 
-SIZE = (320, 180)
+SIZE = (160, 90)
 
 
 def engine():
@@ -55,7 +55,7 @@ def open_small(blend, samples):
 
 def still(blend):
     """F12 to the end; then a long render, looked at twice, and Escape."""
-    scene = open_small(blend, 8)
+    scene = open_small(blend, 4)
     yield 2.0
     yield render_as_f12()
     expect("done")
