@@ -100,6 +100,9 @@ def sequence(blend, folder):
         yield 0.5
         yield render_as_f12()
         expect("done")
+        (file,) = {grid["path"] for grid in engine().last_render.statistics["grids"]}
+        assert file.endswith(f"_{frame:04d}.vdb"), file
+        yield 1.0
         picture = bpy.data.images["Render Result"]
         picture.save_render(str(Path(folder, f"sequence_{frame}.exr")), scene=scene)
         stage.screenshot(f"sequence_{frame}")
