@@ -112,9 +112,10 @@ def test_renders_with_windows(host, installed, scene_for, shots):
     scenes = [scene_for(host, name) for name in ("cloud", "smoke")]
     text = host.show("ui_render.py", shots, *scenes, pictures, resources=installed)
     check_output(text)
-    # While it renders the picture in the window goes on changing. It stands in the middle of the display.
-    early, later = (lightness(shots / f"f12_{when}.png")[470:560, 730:890] for when in ("early", "later"))
-    assert np.mean(early != later) > 0.1
+    # While it renders the picture goes on changing, wherever its window is; a changing text fills few tiles.
+    changed = lightness(shots / "f12_early.png") != lightness(shots / "f12_later.png")
+    tiles = changed.reshape(25, 40, 40, 40).mean(axis=(1, 3))
+    assert np.sum(tiles > 0.5) >= 4
     first, second = (read_combined(pictures / f"sequence_{frame}.exr") for frame in (1, 2))
     assert np.abs(first - second).mean() > 1e-3
     frames = [read_combined(pictures / f"animation_{frame:04d}.exr") for frame in (1, 2)]
