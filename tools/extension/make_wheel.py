@@ -95,7 +95,11 @@ def make(kind):
     libraries = sorted((folder / "nephele_native.libs").iterdir())
     renamed = make_private(module, libraries)
     shutil.copy2(system_library(SHARED), folder / "nephele_native.libs" / SHARED)
-    return pack(folder, kind.wheel_folder), renamed
+    # Moved only when it is whole: an interrupted packing must not pass for a finished wheel.
+    whole = pack(folder, work / "finished")
+    shutil.rmtree(kind.wheel_folder, ignore_errors=True)
+    kind.wheel_folder.mkdir(parents=True)
+    return whole.rename(kind.wheel_folder / whole.name), renamed
 
 
 def is_finished(kind):
