@@ -4,15 +4,18 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long stability stress lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean
+.PHONY: help setup build render test test-long stability stress lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean extension test-blender
 
 python := .venv/bin/python
 
-# Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`.
+# Arguments handed on: `make test ARGS="-k homogeneous"`, `make bench ARGS=...`, `make lint FILES="a.cpp b.cpp"`,
+# `make test-blender BLENDERS="trixie venv"`, `make extension KINDS=system`.
 ARGS ?=
 FILES ?=
 # Seconds that `make fuzz` gives each target.
 TIME ?= 60
+BLENDERS ?=
+KINDS ?=
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-17s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -41,6 +44,15 @@ stability: setup ## measure the errors of the formulas, and write docs/stability
 
 stress: build ## render the extreme cases, all of them (about 20 minutes)
 	$(python) -m pytest tests/stress -m "" --durations=10 $(ARGS)
+
+extension: setup ## build the zips that Blender installs, into dist/
+	@scripts/setup.sh extension
+	@scripts/extension.sh $(KINDS)
+
+test-blender: build ## test the zips in five Blenders, which it makes (8 GB, root; BLENDERS="trixie" for some)
+	@scripts/setup.sh extension
+	@scripts/extension.sh py311 py312 system
+	@scripts/test_blender.sh $(BLENDERS)
 
 lint: ## check format and style; clang-tidy on changed files, or on FILES="..."
 	@scripts/setup.sh lint
@@ -81,4 +93,4 @@ bake: build ## bake the smoke simulation anew (installs Debian's Blender)
 	bash blend_scenes/smoke/bake.sh
 
 clean: ## remove what was built; .venv and out/ stay
-	rm -rf build *.egg-info
+	rm -rf --one-file-system build dist *.egg-info

@@ -31,6 +31,9 @@ BLENDER_PROPERTIES = {
     "performance": ("threads_mode", "threads", "use_persistent_data"),
 }
 
+# Ours that Blender's stand for in its panels: the command line's --threads comes before Blender's setting.
+COMMAND_LINE_ONLY = {"threads"}
+
 # Panels for every engine that would promise what we do not have, or that ours replace.
 EXCLUDED = {
     "DATA_PT_light",
@@ -50,11 +53,7 @@ ADOPTED = {
 }
 
 
-# Types of objects that are meshes or become one.
-SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
-
-
-class _Ours:
+class OurPanel:
     """Mixin: a panel of the properties editor, shown when Nephele renders."""
 
     bl_space_type = "PROPERTIES"
@@ -66,7 +65,7 @@ class _Ours:
         return context.engine in cls.COMPAT_ENGINES
 
 
-class _GroupPanel(_Ours):
+class _GroupPanel(OurPanel):
     """Mixin: the parameters of one group."""
 
     bl_context = "render"
@@ -77,10 +76,13 @@ class _GroupPanel(_Ours):
         layout.use_property_split = True
         layout.use_property_decorate = False
         for parameter in PARAMETERS:
-            if parameter.group == self.group:
+            if parameter.group == self.group and parameter.name not in COMMAND_LINE_ONLY:
                 layout.prop(context.scene.nephele, parameter.name)
+        render = context.scene.render
         for name in BLENDER_PROPERTIES.get(self.group, ()):
-            layout.prop(context.scene.render, name)
+            row = layout.row()
+            row.enabled = name != "threads" or render.threads_mode == "FIXED"
+            row.prop(render, name)
 
 
 def _group_panel(group, label, closed):
@@ -89,7 +91,7 @@ def _group_panel(group, label, closed):
     return type(f"NEPHELE_PT_{group}", (_GroupPanel, bpy.types.Panel), members)
 
 
-class NEPHELE_PT_report(_Ours, bpy.types.Panel):
+class NEPHELE_PT_report(OurPanel, bpy.types.Panel):
     """What the last render took, and how its error fell, where it was estimated."""
 
     bl_label = "Report"
@@ -123,7 +125,7 @@ def report_lines(record):
     return lines
 
 
-class NEPHELE_PT_passes(_Ours, bpy.types.Panel):
+class NEPHELE_PT_passes(OurPanel, bpy.types.Panel):
     """Toggles of the passes, Blender's and ours, in the order of the table."""
 
     bl_label = "Nephele"
@@ -143,24 +145,7 @@ class NEPHELE_PT_passes(_Ours, bpy.types.Panel):
                 column.prop(layer.nephele, toggle_name(row))
 
 
-class NEPHELE_PT_object(_Ours, bpy.types.Panel):
-    """Settings of an object that can be made of a dielectric."""
-
-    bl_label = "Nephele"
-    bl_context = "object"
-    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.object is not None and context.object.type in SOLID and super().poll(context)
-
-    def draw(self, context):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        self.layout.prop(context.object.nephele, "dielectric_priority")
-
-
-class _NodePanel(_Ours):
+class _NodePanel(OurPanel):
     """Mixin: the tree of nodes behind one socket of the output node. block: "material", "world" or
     "light"."""
 
@@ -201,7 +186,6 @@ CLASSES = (
     *(_group_panel(*row) for row in GROUPS),
     NEPHELE_PT_report,
     NEPHELE_PT_passes,
-    NEPHELE_PT_object,
     _node_panel("material", "material", "Surface", "Surface"),
     _node_panel("material", "material", "Volume", "Volume"),
     _node_panel("world", "world", "Surface", "Surface"),
@@ -216,7 +200,8 @@ def compatible_panels():
         engines = getattr(panel, "COMPAT_ENGINES", ())
         for_all = (
             "BLENDER_RENDER" in engines
-            and panel.__name__ not in EXCLUDED
+            # The shader editor's copy of a panel shares its set of engines with the original.
+            and panel.__name__.removeprefix("NODE_") not in EXCLUDED
             and "freestyle" not in panel.__name__
         )
         if for_all or panel.__name__ in ADOPTED:
@@ -234,5 +219,5 @@ def unregister():
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     for panel in bpy.types.Panel.__subclasses__():
-        if panel not in CLASSES and hasattr(panel, "COMPAT_ENGINES"):
+        if not issubclass(panel, OurPanel) and hasattr(panel, "COMPAT_ENGINES"):
             panel.COMPAT_ENGINES.discard(ENGINE)

@@ -21,15 +21,20 @@ def grids(path):
 
 
 def module():
-    """Returns Blender's openvdb module."""
+    """Returns Blender's openvdb module; raises InputError where this Blender has none."""
     import bpy  # its libraries must be loaded first
 
     version = ".".join(map(str, sys.version_info[:2]))
     folder = Path(bpy.utils.resource_path("LOCAL")) / f"python/lib/python{version}/site-packages"
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
-    import openvdb
-
+    try:
+        import openvdb
+    except ImportError as error:
+        raise InputError(
+            f"this Blender ({bpy.app.version_string}) brings no OpenVDB for Python; use "
+            "blender.org's Blender 4.4 or later"
+        ) from error
     return openvdb
 
 

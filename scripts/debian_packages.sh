@@ -57,3 +57,11 @@ ensure_packages() {
     quietly build/apt-install.log "check the network and /etc/apt/sources.list" \
         "${apt[@]}" install --yes --no-install-recommends "${missing[@]}"
 }
+
+# Prints the mirror that this machine's own apt takes Debian from.
+debian_mirror() {
+    local mirror
+    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' |
+        grep --max-count 1 '/debian/$') || fail "apt knows no mirror of Debian: run 'apt-get update' as root"
+    printf '%s\n' "$mirror"
+}

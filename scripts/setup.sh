@@ -5,7 +5,7 @@
 # (the folder addon/) installed there in editable form. Each step leaves a stamp holding what it was made from,
 # so that a second run only compares. `setup.sh lint` also installs the tools of `make lint`, `setup.sh bench`
 # the other renderers that bench/ measures against, `setup.sh count` what counts instructions, `setup.sh fuzz`
-# the fuzzers.
+# the fuzzers, `setup.sh extension` what packs wheels.
 #
 # PYTHON=PATH chooses the Python 3.11 that .venv is made from.
 
@@ -81,8 +81,8 @@ install_requirements() {
     write_stamp requirements "$made_from"
 }
 
-# install_more NAME FILE: the packages of another requirements.txt, without theirs.
-install_more() {
+# install_extra NAME FILE: what only some targets need.
+install_extra() {
     local made_from
     made_from=$(sha256sum "$2")
     if stamp_is "$1" "$made_from"; then
@@ -127,9 +127,9 @@ fi
 ensure_packages "${packages[@]}"
 make_venv "$python"
 install_requirements
-if [[ ${1:-} == bench ]]; then
-    install_more bench bench/requirements.txt
-elif [[ ${1:-} == fuzz ]]; then
-    install_more fuzz tests/fuzz/requirements.txt
-fi
+case ${1:-} in
+    bench) install_extra bench bench/requirements.txt ;;
+    extension) install_extra extension tools/extension/requirements.txt ;;
+    fuzz) install_extra fuzz tests/fuzz/requirements.txt ;;
+esac
 install_nephele

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from .. import description, vdb_info
+from ..errors import InputError
 from .context import ExportError
 from .fluid_cells import adapted_cells, whole_domain
 from .hash import random_number
@@ -114,7 +115,13 @@ def _with_noise(cache, item, base, noise, voxel, noise_scale):
     """Returns the path of a temporary VDB file: the grids of file `noise` under the names that shaders know,
     and those of file `base` (velocity, temperature, ...) that the noise does not refine. It is that of the
     last export while both files are the same."""
-    openvdb = vdb_info.module()
+    try:
+        openvdb = vdb_info.module()
+    except InputError as error:
+        raise ExportError(
+            f"fluid domain '{item.name}': its noise cannot be brought together with the base: "
+            f"{error}, or disable the domain's noise"
+        ) from error
     key = (*(state for file in (base, noise) for state in _state(file)), voxel, noise_scale)
     if (known := cache.files.get(key)) is not None:
         return cache.files.put(key, known)

@@ -2,6 +2,7 @@
 """Gas domains: which files of the cache, where they stand, how they move."""
 
 import gc
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -165,6 +166,13 @@ def test_absent_noise_leaves_the_base_with_a_warning(domain, export):
     scene = export()
     assert scene.volumes[0].path == str(path)
     assert any("'Domain': no noise cache of frame 1" in text and "base" in text for text in scene.warnings)
+
+
+def test_noise_is_an_error_where_blender_has_no_openvdb_for_python(domain, export, openvdb, monkeypatch):
+    write_noise(domain, openvdb)
+    monkeypatch.setitem(sys.modules, "openvdb", None)  # Debian's Blender and 4.2 bring none
+    with pytest.raises(ExportError, match=r"fluid domain 'Domain': .*no OpenVDB for Python.*disable"):
+        export()
 
 
 def test_damaged_noise_is_an_error(domain, export, openvdb):

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels of what Nephele reads from objects and volumes. Blender shows those of its own properties that are
+among them for Cycles alone."""
+
+from typing import ClassVar
+
+import bpy
+
+from .panels import OurPanel
+
+# Types of objects that are meshes or become one.
+SOLID = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
+# Kinds of rays, as Blender's properties of objects name them: visible_*.
+RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+
+
+class NEPHELE_PT_object(OurPanel, bpy.types.Panel):
+    """Settings of an object that can be made of a dielectric."""
+
+    bl_label = "Nephele"
+    bl_context = "object"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type in SOLID and super().poll(context)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.layout.prop(context.object.nephele, "dielectric_priority")
+
+
+class NEPHELE_PT_ray_visibility(OurPanel, bpy.types.Panel):
+    """Which kinds of rays see the object."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "object"
+    bl_parent_id = "OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context):
+        kinds = SOLID | {"VOLUME", "LIGHT", "EMPTY"}
+        return context.object is not None and context.object.type in kinds and super().poll(context)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        column = self.layout.column()
+        for rays in RAYS:
+            column.prop(context.object, f"visible_{rays}", text=rays.replace("_", " ").title())
+
+
+class NEPHELE_PT_volume(OurPanel, bpy.types.Panel):
+    """How a volume's grids are read and move."""
+
+    bl_label = "Nephele"
+    bl_context = "data"
+    bl_parent_id = "DATA_PT_volume_render"
+    bl_options: ClassVar[set] = {"HIDE_HEADER"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.volume is not None and super().poll(context)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        volume, column = context.volume, self.layout.column()
+        column.prop(volume.render, "clipping")
+        column.prop(volume.render, "precision")
+        for name in ("velocity_grid", "velocity_unit", "velocity_scale"):
+            column.prop(volume, name)
+
+
+CLASSES = (NEPHELE_PT_object, NEPHELE_PT_ray_visibility, NEPHELE_PT_volume)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
