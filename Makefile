@@ -42,7 +42,7 @@ stability: setup ## measure the errors of the formulas, and write docs/stability
 	@scripts/build.sh all
 	$(python) tools/stability_page.py build/release/tests/native/stability
 
-stress: build ## render the extreme cases, all of them (about 20 minutes)
+stress: build ## render the extreme cases, all of them (5 minutes)
 	$(python) -m pytest tests/stress -m "" --durations=10 $(ARGS)
 
 extension: setup ## build the zips that Blender installs, into dist/

@@ -6,7 +6,7 @@
 
 BINARY is build/release/tests/native/stability. The words of the tables are those of the tests; the figures
 may differ by a factor of 2 from what is measured: compilers and processors round in their own ways. What
-stands before the first table is written by hand.
+stands before the heading of the tables is written by hand.
 """
 
 import argparse
@@ -23,7 +23,8 @@ FACTOR = 2  # between two machines' figures
 MOST = 10  # differences to print
 NOTHING = 1e-12  # errors below it count as none
 
-TABLE = "## "  # the heading of a room
+TABLES = "## Formulas"
+TABLE = "### "  # the heading of a room
 HEADER = "| formula | file | what could go wrong | what is done | tried | worst error (bound) | relative to |"
 RULE = "|---|---|---|---|---|---|---|"
 
@@ -78,7 +79,7 @@ def measure(binary):
 
 def page_of(introduction, rows):
     """Returns the page: the introduction, then a table for each room in the order of the tests."""
-    parts = [introduction]
+    parts = [introduction, f"{TABLES}\n"]
     for room in sorted({row.room for row in rows}):
         lines = [row.line() for row in rows if row.room == room]
         parts.append("\n".join([f"{TABLE}{room}", "", HEADER, RULE, *lines, ""]))
@@ -116,7 +117,7 @@ def main():
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     arguments = parser.parse_args()
     stated = PAGE.read_text()
-    introduction = stated[: stated.find(f"\n{TABLE}")].rstrip() + "\n"
+    introduction = stated[: stated.index(f"\n{TABLES}")].rstrip() + "\n"
     page = page_of(introduction, measure(arguments.binary))
     if not arguments.check:
         PAGE.write_text(page)
