@@ -115,8 +115,9 @@ class Viewport:
 
     def _ask(self, engine, context, depsgraph):
         """Asks the worker for what the view shows, where that is not what was asked for last."""
-        scene, shading = depsgraph.scene_eval, context.space_data.shading.nephele
+        scene, shading = depsgraph.scene, context.space_data.shading.nephele
         inner = Context(depsgraph, space=context.space_data)
+        inner.scene = scene  # not every setting that changes has Blender evaluate the scene again
         settings, film = export_settings(inner), viewport_film(inner)
         if (settings, film) != (self._scene.settings, self._scene.film):
             self._scene = replace(self._scene, settings=settings, film=film)
@@ -129,7 +130,7 @@ class Viewport:
             samples=settings["viewport_samples"],
             shown=shading.shown_pass(),
             denoise=shading.denoise,
-            finest=engine.get_preview_pixel_size(depsgraph.scene),
+            finest=engine.get_preview_pixel_size(scene),
         )
         if self._worker is None:
             self._worker = Worker(self._session)

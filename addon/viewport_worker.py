@@ -201,7 +201,7 @@ class Worker:
             over = renderer.wait(LOOK_SECONDS)
             if self._closed or (self._stale() and (first is None or shown > 0)):
                 return
-            if self._hold():
+            if not over and self._hold():
                 continue
             progress = renderer.progress()
             now = time.perf_counter()
