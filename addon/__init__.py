@@ -7,9 +7,9 @@ that a Blender without it still shows the engine and says what is missing when a
 
 import importlib
 
-# engine reads properties; panels and object_panels show both; vsp_view shows what engine made, in a panel
-# inside of panels'
-RANKS = ("properties", "engine", "panels", "object_panels", "vsp_view")
+# engine reads properties and uses viewport; panels and object_panels show them; vsp_view shows what engine
+# made, in a panel inside of panels'
+RANKS = ("properties", "viewport_panel", "viewport", "engine", "panels", "object_panels", "vsp_view")
 
 
 def _modules():

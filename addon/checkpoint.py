@@ -15,7 +15,7 @@ from .errors import InputError
 
 KIND = "Nephele checkpoint"
 VERSION = 4
-FREE_SETTINGS = ("samples", "time_limit", "threads", "target_error")
+FREE_SETTINGS = ("samples", "time_limit", "threads", "target_error", "viewport_samples")
 
 
 def identity(scene, fingerprint, program_version):

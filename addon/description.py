@@ -7,7 +7,7 @@ in metres (Blender units), colours scene-linear Rec. 709. Matrices are 4x4 float
 p_to = M @ p_from, named `to_from_from`. Images and films have their first row at the bottom, as in Blender.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 
 import numpy as np
 
@@ -252,3 +252,21 @@ class Scene:
     world: World = field(default_factory=World)
     warnings: tuple = ()
     shutter: tuple = (0.0, 0.0)
+
+
+def same(a, b):
+    """Tells whether two descriptions, or parts of such, say the same; arrays that are one object are not
+    looked at."""
+    if a is b:
+        return True
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and np.array_equal(a, b)
+    if is_dataclass(a):
+        return all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    if isinstance(a, tuple | list):
+        return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(value, b[key]) for key, value in a.items())
+    return a == b

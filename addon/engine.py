@@ -6,23 +6,26 @@ The result of the last render stays in `last_render`; functions in `listeners` g
 """
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
 
-from . import bridge
 from .export import ExportError
 from .export.film import border, enabled_passes, resolution
 from .maps import FALSE_COLOURED
 from .session import Session
+from .status import clock, status_text
+from .viewport import USER_FAULTS, Viewport
+
+__all__ = ["NepheleRenderEngine", "RenderRecord", "clock", "last_render", "listeners", "status_text"]
 
 POLL_SECONDS = 0.05  # between two looks at Escape
 STATUS_SECONDS = 0.2  # between two status texts
 FIRST_UPDATE_SECONDS = 1.0  # between two pictures at first; each next wait is longer by UPDATE_GROWTH
 UPDATE_GROWTH, LAST_UPDATE_SECONDS = 1.25, 15.0
 
-USER_FAULTS = (ExportError, bridge.NativeModuleError, ValueError, RuntimeError, MemoryError)
+PREVIEW_SAMPLES = 16  # of the pictures of materials, worlds and lights in Blender's editors
 
 
 @dataclass
@@ -50,16 +53,33 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
 
     bl_idname = "NEPHELE"
     bl_label = "Nephele"
-    bl_use_preview = False
+    bl_use_preview = True
     bl_use_postprocess = True
     bl_use_eevee_viewport = True  # Material Preview is EEVEE's
     bl_use_shading_nodes_custom = False  # the shader nodes are Blender's own
     _session = None  # with Persistent Data: of the render before
+    _viewport = None  # of an engine that draws a 3D view
 
     def update_render_passes(self, scene=None, renderlayer=None):
         """Blender asks which passes there are."""
         for row in enabled_passes(renderlayer):
             self.register_pass(scene, renderlayer, row.name, len(row.channels), row.channels, row.kind)
+
+    def __del__(self):
+        """Blender lets go of the engine, of which nothing of Blender's is left."""
+        if self._viewport is not None:
+            self._viewport.close()
+
+    def view_update(self, context, depsgraph):
+        """Blender says that something changed in what a 3D view shows."""
+        if self._viewport is None:
+            self._viewport = Viewport(self)
+        self._viewport.update(self, context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        """Blender draws a 3D view."""
+        if self._viewport is not None:
+            self._viewport.draw(self, context, depsgraph)
 
     def render(self, depsgraph):
         """Blender asks for the picture of one view layer."""
@@ -69,7 +89,8 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
         # A result must be complete before anything can fail: Blender crashes on writing a file without one.
         self.end_result(self._begin_blank(depsgraph))
         record = RenderRecord(depsgraph.scene.frame_current, depsgraph.view_layer.name)
-        last_render = record
+        if not self.is_preview:
+            last_render = record
         try:
             self._render(depsgraph, record, session or Session())
         except USER_FAULTS as fault:
@@ -81,8 +102,9 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             self._fail(record, f"internal error: {type(fault).__name__}: {fault}")
             raise
         finally:
-            for listener in listeners:
-                listener(record)
+            if not self.is_preview:
+                for listener in listeners:
+                    listener(record)
 
     def _fail(self, record, message):
         """Tells the user interface (error_set) and scripts (report) what went wrong."""
@@ -109,6 +131,8 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
         with _Timer(record, "export"):
             self.update_stats("", "Exporting scene")
             scene = session.export(depsgraph, engine=self)
+            if self.is_preview:
+                scene = replace(scene, settings=scene.settings | {"samples": PREVIEW_SAMPLES})
             if depsgraph.scene.render.use_persistent_data:  # Blender keeps this engine and the depsgraph
                 self._session = session
         self._warn(record, scene.warnings)
@@ -136,6 +160,8 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             record.statistics = dict(renderer.statistics())
 
     def _warn(self, record, warnings):
+        if self.is_preview:  # of scenes that are not the user's
+            return
         for text in warnings:
             if text not in record.warnings:
                 record.warnings.append(text)
@@ -194,24 +220,6 @@ class _Timer:
 
     def __exit__(self, *_):
         self._record.seconds[self._stage] = time.perf_counter() - self._start
-
-
-def status_text(progress):
-    """Returns "Sample 3/128 | 0:05 | Error 0.021 | 3:20 left" of Renderer.progress()."""
-    text = f"Sample {progress['samples_done']}/{progress['samples']} | {clock(progress['seconds'])}"
-    if progress["error"] is not None:
-        text += f" | Error {progress['error']:.2g}"
-    if 0 < progress["fraction"] < 1:
-        left = progress["seconds"] * (1 - progress["fraction"]) / progress["fraction"]
-        text += f" | {clock(left)} left"
-    return text
-
-
-def clock(seconds):
-    """Returns "m:ss", or "h:mm:ss" from an hour on."""
-    minutes, rest = divmod(int(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
 def _megabytes(statistics):

@@ -28,7 +28,7 @@ GROUPS = (  # (group of parameters, label, closed at first), in the order shown
 # Blender's properties shown beside ours: group -> names in Scene.render.
 BLENDER_PROPERTIES = {
     "film": ("film_transparent",),
-    "performance": ("threads_mode", "threads", "use_persistent_data"),
+    "performance": ("threads_mode", "threads", "use_persistent_data", "preview_pixel_size"),
 }
 
 # Ours that Blender's stand for in its panels: the command line's --threads comes before Blender's setting.
@@ -38,7 +38,6 @@ COMMAND_LINE_ONLY = {"threads"}
 EXCLUDED = {
     "DATA_PT_light",
     "DATA_PT_preview",
-    "MATERIAL_PT_preview",
     "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_filter",
 }

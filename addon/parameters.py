@@ -149,6 +149,16 @@ PARAMETERS = (
         ),
     ),
     Parameter(
+        "viewport_samples",
+        "int",
+        64,
+        "Viewport Samples",
+        "Paths per pixel in the 3D view",
+        1,
+        2**24,
+        4096,
+    ),
+    Parameter(
         "integrator",
         "enum",
         "path",

@@ -3,9 +3,10 @@
 again. For animations, and for viewports:
 
     session = Session()
-    scene = session.export(depsgraph, engine=self, motion=False)  # in view_update(): something changed
-    scene = dataclasses.replace(scene, camera=..., film=...)      # in view_draw(): the view changed
-    renderer = session.build(scene)                               # then start(), wait(), read_pass()
+    # in view_update(): something changed
+    scene = session.export(depsgraph, engine=self, motion=False, space=context.space_data)
+    scene = dataclasses.replace(scene, camera=..., film=...)  # in view_draw(): the view changed
+    renderer = session.build(scene)                           # then start(), wait(), read_pass()
 
 A picture has the same bits as without a session. Let go of a renderer before the next is built: what both
 share is there once, but what changed is there twice. Descriptions and their arrays are never written to.
@@ -23,9 +24,13 @@ class Session:
         self._cache = ExportCache()
         self._parts = bridge.create_parts()
 
-    def export(self, depsgraph, *, engine=None, motion=True):
+    def export(self, depsgraph, *, engine=None, motion=True, space=None):
         """Returns the description.Scene of a depsgraph; see export_scene()."""
-        return export_scene(depsgraph, engine=engine, cache=self._cache, motion=motion)
+        return export_scene(depsgraph, engine=engine, cache=self._cache, motion=motion, space=space)
+
+    def distrust(self):
+        """Says that a depsgraph was missed: the next export reads and compares all."""
+        self._cache.history.forget()
 
     def build(self, scene):
         """Returns a native Renderer of a description.Scene. Raises as bridge.create_renderer()."""

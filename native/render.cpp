@@ -125,6 +125,7 @@ void Render::run() {
         samples_done_ = done;
         bool reached = enough();
         while (done < settings_.samples && !must_stop() && !reached) {
+            hold_while_paused();
             execute_in(arena, [&] {
                 learn();
                 render_pass(next_target(done, settings_.samples));
@@ -195,6 +196,24 @@ bool Render::wait(double seconds) {
     if (state_ == State::failed)
         std::rethrow_exception(failure_);
     return state_ != State::running;
+}
+
+void Render::cancel() {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
+    resumed_.notify_all();
+}
+
+void Render::pause(bool paused) {
+    const std::lock_guard lock(mutex_);
+    paused_ = paused;
+    resumed_.notify_all();
+}
+
+/// On the render's own thread alone: oneTBB's threads are the host's, too.
+void Render::hold_while_paused() {
+    std::unique_lock lock(mutex_);
+    resumed_.wait(lock, [&] { return !paused_ || cancelled_; });
 }
 
 void Render::render_pass(int target) {

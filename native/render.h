@@ -62,7 +62,9 @@ class Render {
     void start();
     /// True once finished, however it ended; rethrows what a render thread threw.
     bool wait(double seconds);
-    void cancel() { cancelled_ = true; }
+    void cancel();
+    /// Holds it before its next pass of samples, or lets it go on: for pictures that nobody sees.
+    void pause(bool paused);
 
     State state() const { return state_; }
     /// What a render thread said when it failed, or nothing.
@@ -103,6 +105,7 @@ class Render {
     bool enough();
     FilmNeeds film_needs() const;
     bool must_stop() const;
+    void hold_while_paused();
     int lowest_count() const;
     float mist_at(float depth) const;
 
@@ -118,13 +121,14 @@ class Render {
     std::thread thread_;
     std::atomic<State> state_{State::idle};
     std::atomic<bool> cancelled_{false};
+    bool paused_ = false;
     std::atomic<int> samples_done_{0};
     std::atomic<std::uint64_t> samples_taken_{0};
     std::chrono::steady_clock::time_point start_;
     std::exception_ptr failure_;
 
     mutable std::mutex mutex_;
-    std::condition_variable finished_;
+    std::condition_variable finished_, resumed_;
     RenderStatistics statistics_;
 };
 

@@ -3,13 +3,14 @@
 module."""
 
 import bpy
+import numpy as np
 
 from .. import description
 from . import needs
 from .cache import ExportCache
 from .camera import export_camera
 from .context import Context, ExportError
-from .film import export_film, export_settings
+from .film import export_film, export_settings, viewport_film
 from .motion import shutter
 from .nodes import compile_world
 from .objects import Objects
@@ -17,21 +18,30 @@ from .objects import Objects
 __all__ = ["ExportCache", "ExportError", "export_scene"]
 
 
-def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
+# Stands in for the camera of 3D views, which move while nothing else changes.
+VIEW_CAMERA = description.Camera("View", "perspective", np.eye(4), (-1.0, 1.0, -1.0, 1.0))
+
+
+def export_scene(depsgraph, *, engine=None, cache=None, motion=True, space=None):
     """Returns the description.Scene of an evaluated depsgraph at its frame.
 
     engine: the RenderEngine that renders it: it knows of an overridden camera and evaluates other moments for
     motion blur; without one, objects and the camera stand still. cache: ExportCache of the exports of this
     scene before it: what is as it was is the same object again. The updates of `depsgraph` are believed where
     there is an engine, which must have handed each of its depsgraphs to an export with this cache, or use
-    another cache from then on. motion: False for no motion blur, as in viewports. Raises ExportError, its
-    message naming what is at fault and the remedy. What is left out is named in the result's `warnings`.
+    another cache from then on. motion: False for no motion blur, as in viewports. space: the SpaceView3D
+    that it is for: it says what is hidden, and the caller puts in camera and film, see viewport_view.py.
+    Raises ExportError, its message naming what is at fault and the remedy. What is left out is named in the
+    result's `warnings`.
     """
     cache = ExportCache() if cache is None else cache
     cache.begin(depsgraph, engine, motion)
-    context = Context(depsgraph, cache)
-    film = export_film(context)
-    camera = export_camera(context, engine, film.width, film.height)
+    context = Context(depsgraph, cache, space)
+    if space is None:
+        film = export_film(context)
+        camera = export_camera(context, engine, film.width, film.height)
+    else:
+        film, camera = viewport_film(context), VIEW_CAMERA
     settings = export_settings(context)
     _check_scene(context)
     objects = Objects(context)

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Camera: Blender's camera object to description.Camera."""
 
-import numpy as np
-
 from .. import description
 from .context import ExportError
-from .space import matrix4, without_scale
+from .space import matrix4, viewplane, without_scale
 
 KINDS = {"PERSP": "perspective", "ORTHO": "orthographic"}
 
@@ -47,18 +45,10 @@ def export_camera(context, engine, width, height):
 def _viewplane(context, camera, width, height):
     """Returns (left, right, bottom, top), read off Blender's own projection matrix."""
     render = context.scene.render
-    projection = matrix4(
-        camera.calc_matrix_camera(
-            context.depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
-        )
+    projection = camera.calc_matrix_camera(
+        context.depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
     )
-    scale = np.array((projection[0, 0], projection[1, 1]))
-    if camera.data.type == "PERSP":
-        offset = np.array((projection[0, 2], projection[1, 2]))
-    else:
-        offset = -np.array((projection[0, 3], projection[1, 3]))
-    low, high = (offset - 1) / scale, (offset + 1) / scale
-    return (float(low[0]), float(high[0]), float(low[1]), float(high[1]))
+    return viewplane(projection, camera.data.type == "PERSP")
 
 
 def _depth_of_field(context, camera, world_from_camera):

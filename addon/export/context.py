@@ -27,10 +27,12 @@ class Record:
 
 class Context:
     """State of one export. depsgraph: Blender's, evaluated. cache: ExportCache of the exports before it.
-    block: the material or world that is being compiled. warnings: in order of appearance, each once."""
+    space: the SpaceView3D that it is for, or None. block: the material or world that is being compiled.
+    warnings: in order of appearance, each once."""
 
-    def __init__(self, depsgraph, cache=None):
+    def __init__(self, depsgraph, cache=None, space=None):
         self.depsgraph = depsgraph
+        self.space = space
         self.cache = cache or ExportCache()
         self.block = None
         self._record = Record()
@@ -50,6 +52,13 @@ class Context:
         self._record.notes.append(text)
         if text not in self.warnings:
             self.warnings.append(text)
+
+    def hides(self, instance):
+        """Tells whether an instance that the depsgraph lists is not to be seen: it is disabled in renders, or
+        not in a 3D view's local view or collections."""
+        if self.space is None:
+            return instance.object.hide_render
+        return not (instance.parent or instance.object).visible_in_viewport_get(self.space)
 
     @contextlib.contextmanager
     def recording(self):

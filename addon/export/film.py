@@ -81,6 +81,12 @@ def export_film(context):
     )
 
 
+def viewport_film(context):
+    """Returns the description.Film of a 3D view, but for its size and passes."""
+    scene = context.scene
+    return description.Film(1, 1, transparent=scene.render.film_transparent, mist=_mist(scene.world))
+
+
 def _mist(world):
     """Returns (start, depth, falloff) of the world's mist; Blender's defaults without a world."""
     if world is None:

@@ -39,6 +39,10 @@ class History:
             self._touched, self._reshaped = touched | self._doubted, reshaped | self._doubted
         self._graph, self._now, self._doubted = None, {}, set()
 
+    def forget(self):
+        """Says that something may have changed unseen: the next export believes no updates."""
+        self._graph = None
+
     def doubt(self, depsgraph):
         """Says that `depsgraph` evaluated other moments, and the frame again, after begin()."""
         self._doubted = _updates(depsgraph)[0]

@@ -11,7 +11,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-import OpenEXR
 
 from ..description import Image
 from .history import uid
@@ -234,10 +233,17 @@ def _described(pixels, opened, image, associated):
 def _linear(pixels, space):
     """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it
     converts what it reads."""
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    height, width = pixels.shape[:2]
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "stored.exr"))
-        OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels[::-1])}).write(path)
+        stored = bpy.data.images.new("Stored", width, height, alpha=True, float_buffer=True, is_data=True)
+        try:
+            stored.alpha_mode = "CHANNEL_PACKED"
+            stored.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
+            stored.filepath_raw, stored.file_format = path, "OPEN_EXR"
+            stored.save()
+        finally:
+            bpy.data.images.remove(stored)
         image = bpy.data.images.load(path)
         try:
             image.alpha_mode = "CHANNEL_PACKED"

@@ -61,7 +61,7 @@ class Objects:
             and instance.instance_object is not None
         }
         for self._place, instance in enumerate(instances):
-            if instance.show_self and not instance.object.hide_render:
+            if instance.show_self and not self._context.hides(instance):
                 self._add(instance)
         found = {key: entry[1] for key, entry in self._records.items() if entry is not None}
         self.meshes = tuple(record.finish() for record in found.values())

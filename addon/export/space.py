@@ -26,3 +26,13 @@ def without_scale(matrix):
     result = np.array(matrix, np.float64)
     result[:3, :3] /= np.maximum(np.linalg.norm(result[:3, :3], axis=0), 1e-30)
     return result
+
+
+def viewplane(projection, perspective):
+    """Returns (left, right, bottom, top) that a projection matrix of Blender's shows: at distance 1, or in
+    metres where it is orthographic."""
+    projection = matrix4(projection)
+    scale = np.array((projection[0, 0], projection[1, 1]))
+    offset = projection[:2, 2] if perspective else -projection[:2, 3]
+    low, high = (offset - 1) / scale, (offset + 1) / scale
+    return (float(low[0]), float(high[0]), float(low[1]), float(high[1]))

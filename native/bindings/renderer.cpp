@@ -105,6 +105,7 @@ class Renderer {
 
     void start() { render_->start(); }
     void cancel() { render_->cancel(); }
+    void pause(bool paused) { render_->pause(paused); }
     bool wait(double seconds) {
         const nb::gil_scoped_release release;
         return render_->wait(seconds);
@@ -239,6 +240,8 @@ void bind_renderer(nb::module_& m) {
         .def("wait", &Renderer::wait, nb::arg("seconds"),
              "Waits up to `seconds`; True once finished. Raises what a render thread threw.")
         .def("cancel", &Renderer::cancel, "Asks the render to stop; `wait` then returns soon.")
+        .def("pause", &Renderer::pause, nb::arg("paused"),
+             "Holds the render before its next pass of samples, or lets it go on.")
         .def(
             "progress", &Renderer::progress,
             "dict: state, message (why it failed), samples_done, samples, fraction in [0, 1], seconds, error "
