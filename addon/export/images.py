@@ -11,11 +11,11 @@ from typing import Any
 
 import bpy
 import numpy as np
-import OpenEXR
 
 from ..description import Image
 from .history import uid
 from .mesh import frozen, same_or
+from .plain_exr import write_rgba
 
 ENCODED = {"sRGB"}  # colour spaces that the native side decodes
 AS_STORED = {"Non-Color", "Raw", "Linear Rec.709", "Linear", "data"}
@@ -234,10 +234,9 @@ def _described(pixels, opened, image, associated):
 def _linear(pixels, space):
     """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it
     converts what it reads."""
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "stored.exr"))
-        OpenEXR.File(header, {"RGBA": np.ascontiguousarray(pixels[::-1])}).write(path)
+        write_rgba(path, pixels[::-1])
         image = bpy.data.images.load(path)
         try:
             image.alpha_mode = "CHANNEL_PACKED"
