@@ -7,9 +7,21 @@ that a Blender without it still shows the engine and says what is missing when a
 
 import importlib
 
-# engine reads properties; panels and object_panels show both; vsp_view shows what engine made, in a panel
-# inside of panels'
-RANKS = ("properties", "engine", "panels", "object_panels", "vsp_view")
+# engine reads properties; panels of ours stand inside of Blender's, and vsp_view's in one of render_panels';
+# these show the menu of presets; Report and Issues show what engine made
+RANKS = (
+    "properties",
+    "engine",
+    "panels",
+    "cycles_settings",
+    "preset_menu",
+    "render_panels",
+    "issue_panel",
+    "layer_panels",
+    "node_panels",
+    "object_panels",
+    "vsp_view",
+)
 
 
 def _modules():
