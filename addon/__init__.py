@@ -20,6 +20,7 @@ RANKS = (
     "layer_panels",
     "node_panels",
     "object_panels",
+    "camera_panels",
     "vsp_view",
 )
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The view layer tab: toggles of the passes, Blender's and ours, in the order of the table."""
 
+from typing import ClassVar
+
 import bpy
 
 from .panels import OurPanel
@@ -62,7 +64,20 @@ def _panel(identifier, label, closed):
     )
 
 
-CLASSES = tuple(_panel(*row) for row in KINDS)
+class NEPHELE_PT_override(OurPanel, bpy.types.Panel):
+    """What the view layer puts in the place of the objects' own."""
+
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.layout.prop(context.view_layer, "material_override")
+
+
+CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_override)
 
 
 def register():

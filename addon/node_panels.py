@@ -85,9 +85,33 @@ class NEPHELE_PT_light(OurPanel, bpy.types.Panel):
     def draw(self, context):
         layout, light = self.layout, context.light
         layout.use_property_split = True
+        column = layout.column()
         if light.type == "AREA":
-            layout.prop(light, "spread")
-        layout.prop(light, "use_shadow", text="Cast Shadow")
+            column.prop(light, "spread")
+        column.prop(light, "use_shadow", text="Cast Shadow")
+        settings = getattr(light, "cycles", None)  # what Cycles adds to lights, and Nephele reads
+        if settings is not None:
+            column.prop(settings, "max_bounces")
+            if light.type == "AREA":
+                column.prop(settings, "is_portal", text="Portal")
+
+
+class NEPHELE_PT_mist(OurPanel, bpy.types.Panel):
+    """What the pass Mist is made by."""
+
+    bl_label = "Mist Pass"
+    bl_context = "world"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.world is not None and super().poll(context)
+
+    def draw(self, context):
+        mist, column = context.world.mist_settings, self.layout.column()
+        column.use_property_split = True
+        for name in ("start", "depth", "falloff"):
+            column.prop(mist, name)
 
 
 BUMP = "Rendered as bump: the surface itself stays as it is"
@@ -98,6 +122,7 @@ CLASSES = (
     NEPHELE_PT_material_settings,
     _node_panel("world", "world", "Surface", "Surface"),
     _node_panel("world", "world", "Volume", "Volume", closed=True),
+    NEPHELE_PT_mist,
     NEPHELE_PT_light,
     _node_panel("light", "data", "Surface", "Nodes", closed=True),
 )

@@ -60,8 +60,8 @@ class NEPHELE_PT_object_motion_blur(OurPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        item = context.object
-        return item is not None and item.type in SOLID | {"VOLUME", "EMPTY"} and super().poll(context)
+        kinds = SOLID | {"VOLUME", "EMPTY", "CAMERA"}
+        return context.object is not None and context.object.type in kinds and super().poll(context)
 
     def draw_header(self, context):
         settings = getattr(context.object, "cycles", None)

@@ -27,7 +27,6 @@ ADOPTED = {
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
-    "EEVEE_WORLD_PT_mist",
     "VIEWLAYER_PT_layer_passes",
 }
 

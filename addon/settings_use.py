@@ -53,7 +53,6 @@ CONDITIONS = {
     "guiding_memory": _has_field,
     "tracking": _is_path,
     "transmittance": _is_path,
-    "majorant": _is_path,
     "filter_width": lambda s: s.pixel_filter != "box",
 }
 

@@ -3,7 +3,16 @@
 
 from collections import Counter
 
-from nephele import layer_panels, object_panels, panels, parameters, passes, render_panels, settings_use
+from nephele import (
+    camera_panels,
+    layer_panels,
+    object_panels,
+    panels,
+    parameters,
+    passes,
+    render_panels,
+    settings_use,
+)
 from nephele.export.objects import VISIBILITY
 
 
@@ -69,3 +78,11 @@ def test_tooltips_tell_units():
     for parameter in parameters.PARAMETERS:
         assert parameter.tooltip.endswith(f"[{parameter.unit}]") == bool(parameter.unit)
     assert parameters.BY_NAME["time_limit"].tooltip == "Stop after this time; 0 renders all samples [s]"
+
+
+def test_lenses_have_the_properties_that_are_shown(bpy):
+    camera = bpy.data.cameras.new("Camera")
+    values = camera if hasattr(camera, "panorama_type") else camera.cycles
+    for kind, rows in camera_panels.FIELDS.items():
+        values.panorama_type = kind
+        assert all(hasattr(values, name) for name, _ in rows), kind
