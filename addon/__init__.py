@@ -7,9 +7,24 @@ that a Blender without it still shows the engine and says what is missing when a
 
 import importlib
 
-# engine reads properties and uses viewport; panels and object_panels show them; vsp_view shows what engine
-# made, in a panel inside of panels'
-RANKS = ("properties", "viewport_panel", "viewport", "engine", "panels", "object_panels", "vsp_view")
+# engine reads properties and uses viewport; panels of ours stand inside of Blender's, vsp_view's in one of
+# render_panels; these show presets; Report and Issues show what engine made
+RANKS = (
+    "properties",
+    "viewport_panel",
+    "viewport",
+    "engine",
+    "panels",
+    "cycles_settings",
+    "preset_menu",
+    "render_panels",
+    "issue_panel",
+    "layer_panels",
+    "node_panels",
+    "object_panels",
+    "camera_panels",
+    "vsp_view",
+)
 
 
 def _modules():

@@ -51,6 +51,36 @@ class NEPHELE_PT_ray_visibility(OurPanel, bpy.types.Panel):
             column.prop(context.object, f"visible_{rays}", text=rays.replace("_", " ").title())
 
 
+class NEPHELE_PT_object_motion_blur(OurPanel, bpy.types.Panel):
+    """Whether the object and its shape are blurred. The properties are those that Cycles adds to objects."""
+
+    bl_label = "Motion Blur"
+    bl_context = "object"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        kinds = SOLID | {"VOLUME", "EMPTY", "CAMERA"}
+        return context.object is not None and context.object.type in kinds and super().poll(context)
+
+    def draw_header(self, context):
+        settings = getattr(context.object, "cycles", None)
+        self.layout.active = context.scene.render.use_motion_blur
+        if settings is not None:
+            self.layout.prop(settings, "use_motion_blur", text="")
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        settings = getattr(context.object, "cycles", None)
+        if settings is None:
+            self.layout.label(text="Enable the add-on Cycles, whose settings these are", icon="INFO")
+            return
+        column = self.layout.column()
+        column.active = context.scene.render.use_motion_blur and settings.use_motion_blur
+        column.prop(settings, "use_deform_motion", text="Deformation")
+        column.prop(settings, "motion_steps", text="Steps")
+
+
 class NEPHELE_PT_volume(OurPanel, bpy.types.Panel):
     """How a volume's grids are read and move."""
 
@@ -69,11 +99,37 @@ class NEPHELE_PT_volume(OurPanel, bpy.types.Panel):
         volume, column = context.volume, self.layout.column()
         column.prop(volume.render, "clipping")
         column.prop(volume.render, "precision")
-        for name in ("velocity_grid", "velocity_unit", "velocity_scale"):
-            column.prop(volume, name)
+        self.layout.label(text="There is no step size: volumes are sampled without bias", icon="INFO")
 
 
-CLASSES = (NEPHELE_PT_object, NEPHELE_PT_ray_visibility, NEPHELE_PT_volume)
+class NEPHELE_PT_volume_velocity(OurPanel, bpy.types.Panel):
+    """What blurs a volume's motion."""
+
+    bl_label = "Velocity"
+    bl_context = "data"
+    bl_parent_id = "DATA_PT_volume_render"
+
+    @classmethod
+    def poll(cls, context):
+        return context.volume is not None and super().poll(context)
+
+    def draw(self, context):
+        layout, volume = self.layout, context.volume
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        column.active = context.scene.render.use_motion_blur
+        for name in ("grid", "unit", "scale"):
+            column.prop(volume, f"velocity_{name}", text=name.title())
+
+
+CLASSES = (
+    NEPHELE_PT_object,
+    NEPHELE_PT_ray_visibility,
+    NEPHELE_PT_object_motion_blur,
+    NEPHELE_PT_volume,
+    NEPHELE_PT_volume_velocity,
+)
 
 
 def register():

@@ -31,6 +31,11 @@ class Parameter:
     items: tuple = ()
     group: str = "sampling"
 
+    @property
+    def tooltip(self):
+        """What the user interface says of the setting, its unit included."""
+        return f"{self.doc} [{self.unit}]" if self.unit else self.doc
+
     def parse(self, text):
         """Returns the value that `text` (from a command line) stands for; raises ValueError naming the
         remedy."""
@@ -435,6 +440,7 @@ PARAMETERS = (
         0.0,
         1e9,
         100.0,
+        "W/(m^2 sr)",
         group="paths",
     ),
     Parameter(

@@ -16,7 +16,7 @@ SUBTYPES = {
 
 def make_property(parameter):
     """Returns the Blender property of a Parameter."""
-    common = {"name": parameter.label, "description": parameter.doc, "default": parameter.default}
+    common = {"name": parameter.label, "description": parameter.tooltip, "default": parameter.default}
     if parameter.kind == "bool":
         return bpy.props.BoolProperty(**common)
     if parameter.kind == "enum":
@@ -45,7 +45,8 @@ def _passes_changed(self, context):
 
 
 def _make_toggle(row):
-    return bpy.props.BoolProperty(name=row.name, description=row.doc, default=False, update=_passes_changed)
+    text = row.doc if row.unit == "1" else f"{row.doc} [{row.unit}]"
+    return bpy.props.BoolProperty(name=row.name, description=text, default=False, update=_passes_changed)
 
 
 NepheleSceneSettings = type(

@@ -5,7 +5,7 @@ import dataclasses
 import re
 from pathlib import Path
 
-from . import archive, parameters, passes
+from . import archive, parameters, passes, preset_files
 from .errors import InputError
 from .output import check_suffix, check_writable, frame_path
 
@@ -122,8 +122,9 @@ def parsed_resolution(text):
 
 
 def parsed_settings(arguments):
-    """Returns the checked settings of --set NAME=VALUE and of the options that are settings; those win."""
-    values = {}
+    """Returns the checked settings of --preset, of --set NAME=VALUE and of the options that are settings: the
+    later win."""
+    values = preset_files.values(preset_files.find(arguments.preset)) if arguments.preset else {}
     try:
         for text in arguments.set:
             name, equals, value = text.partition("=")

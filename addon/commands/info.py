@@ -2,9 +2,10 @@
 """`nephele info`: what is in a scene, what of the renderer it needs, and what the export leaves out."""
 
 import collections
+import dataclasses
 import json
 
-from .. import render_request, rendering, vdb_info
+from .. import issues, render_request, rendering, vdb_info
 from ..parameters import defaults
 from .render import opened
 
@@ -26,6 +27,7 @@ def run(arguments):
     with opened(request) as source:
         report = describe(request.applied(source.export(arguments.frame)))
         report["warnings"] = [*source.warnings, *report["warnings"]]
+        report["issues"] = [dataclasses.asdict(issues.issue(text)) for text in report["warnings"]]
     report = {"scene": arguments.scene} | report
     if arguments.json:
         print(json.dumps(report, indent=2))
@@ -118,5 +120,6 @@ def print_text(report):
     print(f"kernel compiled for: {', '.join(report['kernel'])}")
     field = report["guiding_field"]
     print(f"guiding field: {'trained' if field['trains'] else 'none'} ({field['reason']})")
-    for warning in report["warnings"]:
-        print(f"warning: {warning}")
+    print(f"issues: {len(report['warnings']) or 'none'}")
+    for line in issues.text_lines(report["warnings"]):
+        print(f"  {line}")

@@ -35,6 +35,9 @@ def add_parser(subparsers):
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting; see nephele settings"
     )
+    parser.add_argument(
+        "--preset", metavar="NAME", help="preview, final, reference, benchmark, or a file that Blender saved"
+    )
     parser.add_argument("--passes", metavar="P,P,...", help="passes to write, instead of the view layer's")
     parser.add_argument("--stats", metavar="STATS.json", help="write statistics")
     parser.add_argument(

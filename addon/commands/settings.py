@@ -1,24 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`nephele settings`: the parameter table."""
+"""`nephele settings`: the parameter table, and the presets."""
 
 import json
 
-from .. import parameters
+from .. import parameters, preset_files
 
 
 def add_parser(subparsers):
     """Adds the command's arguments."""
     parser = subparsers.add_parser("settings", help="list the render settings", allow_abbrev=False)
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--presets", action="store_true", help="the presets alone")
     parser.set_defaults(run=run)
 
 
 def run(arguments):
-    """Prints every setting with its default, range and meaning. Returns the exit code."""
-    rows = [row(parameter) for parameter in parameters.PARAMETERS]
+    """Prints every setting with its default, range and meaning, and the presets. Returns the exit code."""
+    rows = [preset_row(name) for name in preset_files.NAMES]
+    if not arguments.presets:
+        rows = [row(parameter) for parameter in parameters.PARAMETERS]
     if arguments.json:
         print(json.dumps(rows, indent=2))
         return 0
+    if not arguments.presets:
+        print_settings(rows)
+        print()
+    print_presets()
+    return 0
+
+
+def print_settings(rows):
+    """Prints row()s of parameters."""
     width = max(len(entry["name"]) for entry in rows)
     for entry in rows:
         default = str(entry["default"]).lower() if entry["kind"] == "bool" else entry["default"]
@@ -26,7 +38,21 @@ def run(arguments):
         print(f"{entry['name']:<{width}}  {default}{unit}  [{allowed(entry)}]  {entry['doc']}")
         for item in entry.get("items", ()):
             print(f"{'':<{width}}    {item['name']}: {item['doc']}")
-    return 0
+
+
+def print_presets():
+    """Prints what the presets are for, and where they differ from the defaults."""
+    print("Presets, for `nephele render --preset NAME`; what they do not name has its default:")
+    for name in preset_files.NAMES:
+        entry = preset_row(name)
+        print(f"{entry['name']:<9}  {entry['doc']}")
+        print(" " * 11 + ", ".join(f"{key}={value}".lower() for key, value in entry["settings"].items()))
+
+
+def preset_row(name):
+    """Returns what the JSON says of a bundled preset."""
+    path = preset_files.find(name)
+    return {"name": name.lower(), "doc": preset_files.about(path), "settings": preset_files.stated(path)}
 
 
 def row(parameter):

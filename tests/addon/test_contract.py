@@ -22,7 +22,7 @@ ADDON = Path(__file__).resolve().parents[2] / "addon"
 def test_scene_property_is_the_parameter(bpy, parameter):
     settings = bpy.context.scene.nephele
     rna = settings.bl_rna.properties[parameter.name]
-    assert (rna.name, rna.description) == (parameter.label, parameter.doc)
+    assert (rna.name, rna.description) == (parameter.label, parameter.tooltip)
     assert getattr(settings, parameter.name) == pytest.approx(parameter.default)
     if parameter.kind == "enum":
         assert [(i.identifier, i.name, i.description, i.value) for i in rna.enum_items] == [
@@ -41,9 +41,9 @@ def test_no_property_but_the_parameters(bpy):
 
 
 def test_every_parameter_has_a_panel():
-    from nephele import panels
+    from nephele import render_panels
 
-    assert {p.group for p in parameters.PARAMETERS} <= {row[0] for row in panels.GROUPS}
+    assert {p.group for p in parameters.PARAMETERS} <= {row[0] for row in render_panels.GROUPS}
 
 
 def test_settings_survive_saving(bpy, tmp_path):

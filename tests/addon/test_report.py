@@ -94,15 +94,15 @@ def test_render_stops_at_the_target_error_and_is_complete(run, scene_file, tmp_p
 
 
 def test_panel_tells_of_the_last_render(bpy):
-    from nephele import engine, panels
+    from nephele import engine, render_panels
 
-    assert panels.report_lines(None) == ["Nothing was rendered yet"]
+    assert render_panels.report_lines(None) == ["Nothing was rendered yet"]
     record = engine.RenderRecord(3, "Main", "done", seconds={"render": 1.5}, statistics=told())
-    lines = panels.report_lines(record)
+    lines = render_panels.report_lines(record)
     assert lines[:3] == ["Frame 3, Main: done", "Render: 1.50 s", "Samples: 64"]
     assert lines[3] == "Error after 2 samples, 0:01: 0.2"
     assert lines[-1] == "Error after 64 samples, 0:32: 0.00625"
     record.statistics = told([])
-    assert panels.report_lines(record)[-1] == "Error: not estimated (Sampling, Estimate Error)"
+    assert render_panels.report_lines(record)[-1] == "Error: not estimated (Stop at an Error, Estimate Error)"
     record.statistics = told(reached=True)
-    assert panels.report_lines(record)[-1] == "The target error is reached"
+    assert render_panels.report_lines(record)[-1] == "The target error is reached"

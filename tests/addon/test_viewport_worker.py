@@ -73,7 +73,9 @@ CAMERA = description.Camera("View", "perspective", np.eye(4), (-1.0, 1.0, -1.0, 
 
 def job(samples=4, size=(640, 360), crop=True, **members):
     view = View(CAMERA, (0, 0), size, (0, 0, *size) if crop else None)
-    scene = description.Scene(CAMERA, description.Film(1, 1), settings={"time_limit": 5.0, "target_error": 0.1})
+    scene = description.Scene(
+        CAMERA, description.Film(1, 1), settings={"time_limit": 5.0, "target_error": 0.1}
+    )
     return Job(scene, view, samples, **members)
 
 
@@ -202,7 +204,9 @@ def test_stop_keeps_the_picture(worker):
     assert worker.picture.pixels[0, 0, 0] == 3
 
 
-@pytest.mark.parametrize("fault", [ValueError("mesh 'A': bad; mend it"), RuntimeError("full"), TypeError("bug")])
+@pytest.mark.parametrize(
+    "fault", [ValueError("mesh 'A': bad; mend it"), RuntimeError("full"), TypeError("bug")]
+)
 def test_faults_are_told_once_and_mended(worker, fault, capsys):
     worker.session.fault = fault
     worker.request(job())

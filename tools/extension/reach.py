@@ -10,9 +10,11 @@ import sys
 from kinds import ADDON
 
 # What every Blender brings beyond the standard library; nephele_native is in the wheel.
-BLENDERS_OWN = {"bpy", "bpy_extras", "gpu", "gpu_extras", "mathutils", "numpy"}
+BLENDERS_OWN = {"bl_operators", "bl_ui", "bpy", "bpy_extras", "gpu", "gpu_extras", "mathutils", "numpy"}
 SOME_BLENDERS = {"openvdb"}  # asked for when it is needed, with a message where it is not there
 WHEELS = {"nephele_native"}
+# Files that are run or read by path, not imported.
+BY_PATH = ("export/sky_bake.py", "presets/**/*.py")
 
 
 def ranks():
@@ -66,4 +68,5 @@ def reached_files():
             top = name.split(".")[0]
             if top not in sys.stdlib_module_names and top not in BLENDERS_OWN | SOME_BLENDERS | WHEELS:
                 raise ValueError(f"{path.relative_to(ADDON.parent)} imports {top}, which Blender has not got")
+    found.update(path for pattern in BY_PATH for path in ADDON.glob(pattern))
     return sorted(found)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The view layer tab: toggles of the passes, Blender's and ours, in the order of the table."""
+
+from typing import ClassVar
+
+import bpy
+
+from .panels import OurPanel
+from .passes import PASSES, RADIANCE
+from .properties import toggle_name
+
+# What is for judging the render, not for making the picture.
+OF_SAMPLING = {
+    "Variance",
+    "Volume Variance",
+    "Surface Variance",
+    "VSP Target",
+    "VSP Achieved",
+    "Majorant Optical Depth",
+    "Sample Count",
+    "Cost",
+}
+
+
+def kind(row):
+    """Returns which of KINDS shows a pass: "light", "data" or "sampling"."""
+    if row.name in OF_SAMPLING:
+        return "sampling"
+    return "light" if row.unit == RADIANCE else "data"
+
+
+KINDS = (  # (kind, label, closed at first)
+    ("light", "Light", False),
+    ("data", "Data", False),
+    ("sampling", "Guiding, Noise and Cost", True),
+)
+
+
+class _PassesPanel(OurPanel):
+    """Mixin: the toggles of the passes of one kind."""
+
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer_passes"
+    kind = ""
+
+    def draw(self, context):
+        layout, layer = self.layout, context.view_layer
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Include", align=True)
+        for row in PASSES:
+            if kind(row) != self.kind:
+                continue
+            if row.view_layer:
+                column.prop(layer, row.view_layer, text=row.name)
+            else:
+                column.prop(layer.nephele, toggle_name(row))
+
+
+def _panel(identifier, label, closed):
+    members = {"bl_label": label, "bl_options": {"DEFAULT_CLOSED"} if closed else set()}
+    return type(
+        f"NEPHELE_PT_passes_{identifier}", (_PassesPanel, bpy.types.Panel), members | {"kind": identifier}
+    )
+
+
+class NEPHELE_PT_override(OurPanel, bpy.types.Panel):
+    """What the view layer puts in the place of the objects' own."""
+
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.layout.prop(context.view_layer, "material_override")
+
+
+CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_override)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
