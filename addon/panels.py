@@ -37,7 +37,6 @@ COMMAND_LINE_ONLY = {"threads"}
 # Panels for every engine that would promise what we do not have, or that ours replace.
 EXCLUDED = {
     "DATA_PT_light",
-    "DATA_PT_preview",
     "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_filter",
 }
@@ -48,6 +47,7 @@ ADOPTED = {
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_WORLD_PT_mist",
+    "MATERIAL_PT_preview",
     "VIEWLAYER_PT_layer_passes",
 }
 
@@ -181,10 +181,26 @@ def _node_panel(block, context, socket, label, closed=False):
     return type(f"NEPHELE_PT_{block}_{socket.lower()}", (_NodePanel, bpy.types.Panel), members)
 
 
+class NEPHELE_PT_world_preview(OurPanel, bpy.types.Panel):
+    """Blender's picture of the world, of which it has a panel for its own engines alone."""
+
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.world is not None and super().poll(context)
+
+    def draw(self, context):
+        self.layout.template_preview(context.world)
+
+
 CLASSES = (
     *(_group_panel(*row) for row in GROUPS),
     NEPHELE_PT_report,
     NEPHELE_PT_passes,
+    NEPHELE_PT_world_preview,
     _node_panel("material", "material", "Surface", "Surface"),
     _node_panel("material", "material", "Volume", "Volume"),
     _node_panel("world", "world", "Surface", "Surface"),

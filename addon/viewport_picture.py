@@ -54,7 +54,10 @@ def picture(shown, images, denoise=None):
         return _finished(0.5 + 0.5 * images[shown]), ""
     values = _values(shown, images)
     scale = _scale(shown, values)
-    return _finished(_linear(scale.colours(values))), f"{shown}: {scale.text()}"
+    colours = _linear(scale.colours(values))
+    if shown == "Depth":
+        colours[np.isnan(values)] = 0
+    return _finished(colours), f"{shown}: {scale.text()}"
 
 
 def _values(shown, images):

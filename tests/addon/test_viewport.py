@@ -78,9 +78,7 @@ class View:
 
     @property
     def context(self):
-        return types.SimpleNamespace(
-            space_data=self.space, region=self.region, region_data=self.region_data
-        )
+        return types.SimpleNamespace(space_data=self.space, region=self.region, region_data=self.region_data)
 
     def update(self):
         """Has Blender evaluate what changed. As view_update, this is where the depsgraph still names it."""
