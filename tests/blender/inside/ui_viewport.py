@@ -103,8 +103,8 @@ def frame_place():
     plane = scene.camera.calc_matrix_camera(
         bpy.context.evaluated_depsgraph_get(), x=scene.render.resolution_x, y=scene.render.resolution_y
     )
-    frame = inside._frame(inside.viewplane(plane, True), view.camera.viewplane, view.size)
-    left, top, _, bottom = place_of(areas()[0])
+    frame = inside.frame_in(inside.viewplane(plane, True), view.camera.viewplane, view.size)
+    left, _, _, bottom = place_of(areas()[0])
     x0, y0, x1, y1 = frame
     return [left + x0, bottom - y1, left + x1, bottom - y0]
 
