@@ -109,8 +109,9 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
     def _fail(self, record, message):
         """Tells the user interface (error_set) and scripts (report) what went wrong."""
         record.state, record.message = "failed", message
-        self.error_set(message)
-        self.report({"ERROR"}, message)
+        if not self.is_preview:
+            self.error_set(message)
+            self.report({"ERROR"}, message)
 
     def _begin_blank(self, depsgraph):
         """Returns a begun result of the rendered region."""

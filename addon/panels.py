@@ -12,7 +12,6 @@ EXCLUDED = {
     "DATA_PT_lightprobe_display",
     "DATA_PT_lightprobe_parallax",
     "DATA_PT_lightprobe_visibility",
-    "DATA_PT_preview",
     "RENDER_PT_simplify",  # it would stand before ours: render_panels.py has it in its place
     "RENDER_PT_simplify_greasepencil",
     "RENDER_PT_simplify_render",
@@ -26,6 +25,7 @@ ADOPTED = {
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
+    "MATERIAL_PT_preview",
     "VIEWLAYER_PT_layer_passes",
 }
 

@@ -18,6 +18,7 @@ from .export import ExportError
 from .export.camera import export_camera
 from .export.context import Context
 from .export.film import export_settings, resolution, viewport_film
+from .export.space import viewplane
 from .session import Session
 from .viewport_view import view_of
 from .viewport_worker import Job, Worker
@@ -121,12 +122,13 @@ class Viewport:
         settings, film = export_settings(inner), viewport_film(inner)
         if (settings, film) != (self._scene.settings, self._scene.film):
             self._scene = replace(self._scene, settings=settings, film=film)
-        camera = None
+        through = ()
         if context.region_data.view_perspective == "CAMERA":
-            camera = _camera_of(inner, context.space_data, scene.render)
+            through = camera_and_frame(inner, context.space_data.camera, scene.render)
+        view = view_of(context.region, context.region_data, context.space_data, scene.render, *through)
         job = Job(
             scene=self._scene,
-            view=view_of(context.region, context.region_data, context.space_data, scene.render, camera),
+            view=view,
             samples=settings["viewport_samples"],
             shown=shading.shown_pass(),
             denoise=shading.denoise,
@@ -166,13 +168,18 @@ def scene_same(scene, other):
     return same(replace(scene, warnings=()), replace(other, warnings=()))
 
 
-def _camera_of(context, space, render):
-    """Returns the description.Camera that a view looks through, or None where that is no camera but another
-    object. Raises ExportError."""
-    if space.camera is None or space.camera.type != "CAMERA":
-        return None
-    override = types.SimpleNamespace(camera_override=space.camera)
-    return export_camera(context, override, *resolution(render))
+def camera_and_frame(context, camera, render):
+    """Returns what view_of() wants to know of the object that a view looks through; () where that is no
+    camera. Raises ExportError."""
+    if camera is None or camera.type != "CAMERA":
+        return ()
+    width, height = resolution(render)
+    described = export_camera(context, types.SimpleNamespace(camera_override=camera), width, height)
+    evaluated = camera.evaluated_get(context.depsgraph)
+    matrix = evaluated.calc_matrix_camera(
+        context.depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
+    )
+    return described, viewplane(matrix, evaluated.data.type != "ORTHO")
 
 
 def _look():

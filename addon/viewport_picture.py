@@ -12,7 +12,10 @@ from .false_colour import Scale
 from .passes import BY_NAME, PASSES
 
 COMBINED = "Combined"
-GUIDES = ("Albedo", "Normal")  # what the denoiser looks at beside Combined
+# What the denoiser looks at beside Combined: passes of its own, where there are such.
+GUIDES = tuple(
+    f"Denoising {name}" if f"Denoising {name}" in BY_NAME else name for name in ("Albedo", "Normal")
+)
 CHOICES = (*(row.name for row in PASSES), maps.DIFFERENCE)
 AS_THEY_ARE = {row.name for row in PASSES if row.kind == "COLOR"} - {"Transmittance"}
 LARGEST = 6e4  # of the half floats on the graphics card
@@ -54,7 +57,10 @@ def picture(shown, images, denoise=None):
         return _finished(0.5 + 0.5 * images[shown]), ""
     values = _values(shown, images)
     scale = _scale(shown, values)
-    return _finished(_linear(scale.colours(values))), f"{shown}: {scale.text()}"
+    colours = _linear(scale.colours(values))
+    if shown == "Depth":
+        colours[np.isnan(values)] = 0
+    return _finished(colours), f"{shown}: {scale.text()}"
 
 
 def _values(shown, images):

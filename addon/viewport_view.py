@@ -50,17 +50,18 @@ class CoarseView:
     place: tuple
 
 
-def view_of(region, region_data, space, render, camera=None):
+def view_of(region, region_data, space, render, camera=None, frame=None):
     """Returns the View of a region of a 3D view.
 
     region_data: RegionView3D; space: SpaceView3D; render: the scene's RenderSettings. camera: the
-    description.Camera of a view through a camera object, its viewplane that of its frame; None for others.
+    description.Camera of a view through a camera object, None for others; frame: viewplane() of the matrix by
+    which Blender draws that camera's frame.
     """
     size = (region.width, region.height)
     window = viewplane(region_data.window_matrix, region_data.is_perspective)
     if camera is None:
         return View(_free_camera(region_data, space, window), (0, 0), size, _view_crop(space, size))
-    frame = _frame(camera.viewplane, window, size)
+    frame = frame_in(frame, window, size)
     wanted = (0, 0, *size)
     if render.use_border:
         wanted = _intersection(wanted, _part(frame, render))
@@ -108,8 +109,8 @@ def _view_crop(space, size):
     return _intersection((0, 0, *size), _rounded((*low, *high)))
 
 
-def _frame(inner, outer, size):
-    """Returns (x0, y0, x1, y1), in pixels of a region of viewplane `outer`, of the frame `inner`."""
+def frame_in(inner, outer, size):
+    """Returns (x0, y0, x1, y1) of the viewplane `inner`, in pixels of a region of viewplane `outer`."""
     per_x, per_y = size[0] / (outer[1] - outer[0]), size[1] / (outer[3] - outer[2])
     return (
         (inner[0] - outer[0]) * per_x,

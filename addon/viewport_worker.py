@@ -149,7 +149,7 @@ class Worker:
             finally:
                 self._renderer = None
             del job  # while waiting for the next, nothing is held
-        self.picture = self.session = None
+        self.picture = self.session = self._job = None
 
     def _fail(self, fault):
         if self._stale():

@@ -378,6 +378,19 @@ def test_hidden_objects_are_not_rendered(bpy, render, fake, link):
     assert [i.name for i in fake.made[-1].scene.instances] == ["Shown"]
 
 
+def test_previews_are_quick_and_leave_no_trace(host, fake):
+    """Blender's pictures of materials: few samples, whatever the scene says; nothing is reported."""
+    before = engine.last_render
+    host.is_preview = True
+    host.go()
+    assert fake.made[-1].settings["samples"] == engine.PREVIEW_SAMPLES < 128
+    assert np.array_equal(host.last_rects["Combined"].reshape(20, 40, 4)[..., 0], expected(40, 20))
+    assert engine.last_render is before and host.reports == []
+    fake.fault = ValueError("bad")
+    host.go()
+    assert engine.last_render is before and host.reports == host.errors == []
+
+
 def test_both_viewport_methods():
     """Half of the pair would crash Blender."""
     assert {"view_draw", "view_update"} <= set(vars(engine.NepheleRenderEngine))

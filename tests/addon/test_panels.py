@@ -25,7 +25,7 @@ def test_no_excluded_panel_is_ours(bpy):
     shown = {
         p.__name__ for p in bpy.types.Panel.__subclasses__() if "NEPHELE" in getattr(p, "COMPAT_ENGINES", ())
     }
-    assert "DATA_PT_EEVEE_light" in shown
+    assert {"DATA_PT_EEVEE_light", "MATERIAL_PT_preview", "DATA_PT_preview"} <= shown
     assert shown & panels.EXCLUDED == set()
 
 

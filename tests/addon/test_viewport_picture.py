@@ -66,14 +66,15 @@ def test_the_denoiser_sees_colour_and_guides():
         seen.append((color.shape, albedo[0, 0, 0], normal[0, 0, 0]))
         return color * 2
 
-    given = images("Combined", denoise=True) | {"Albedo": np.full((3, 5, 3), 0.5, np.float32)}
+    given = images("Combined", denoise=True)
+    given[viewport_picture.GUIDES[0]][:] = 0.5
     pixels, _ = picture("Combined", given, denoise)
     assert seen == [((3, 5, 3), 0.5, 0.25)]
     np.testing.assert_array_equal(pixels[0, 0], np.float32((0.5, 0.5, 0.5, 0.25)))
 
 
 def test_only_combined_is_denoised():
-    assert passes_for("Combined", True) == ("Combined", "Albedo", "Normal")
+    assert passes_for("Combined", True) == ("Combined", *viewport_picture.GUIDES)
     assert passes_for("Volume", True) == ("Volume",)
 
 

@@ -8,7 +8,7 @@ import pytest
 from nephele import description
 from nephele.export.context import Context
 from nephele.export.space import matrix4, viewplane
-from nephele.viewport import _camera_of
+from nephele.viewport import camera_and_frame
 from nephele.viewport_view import View, coarse, view_of
 
 SIZE = (600, 400)
@@ -134,8 +134,9 @@ def through_camera(bpy, camera):
         camera.data.type = kind
         depsgraph = bpy.context.evaluated_depsgraph_get()
         inner = Context(depsgraph)
-        described = _camera_of(inner, types.SimpleNamespace(camera=camera), scene.render)
-        left, right, bottom, top = described.viewplane
+        described, frame = camera_and_frame(inner, camera, scene.render)
+        assert frame == described.viewplane
+        left, right, bottom, top = frame
         middle = np.array(((left + right) / 2, (bottom + top) / 2)) + offset
         half = np.array((right - left, top - bottom)) / 2 / zoom
         sides = (middle[0] - half[0], middle[0] + half[0], middle[1] - half[1], middle[1] + half[1])
@@ -145,7 +146,7 @@ def through_camera(bpy, camera):
             view_matrix=np.linalg.inv(matrix4(camera.matrix_world)),
             is_perspective=kind == "PERSP",
         )
-        return view_of(REGION, data, space(), render(**members), described), window, described
+        return view_of(REGION, data, space(), render(**members), described, frame), window, described
 
     return look
 
@@ -169,12 +170,12 @@ def test_border_of_a_camera_view(through_camera):
 def test_other_cameras_are_rendered_in_their_frame(through_camera):
     """A panorama does not go on beyond its frame; what of the frame is outside of the region is left out."""
     planar, window, described = through_camera(2.0, (0, 0))
-    panorama = description.Camera("Around", "panorama", np.eye(4), described.viewplane)
+    panorama = description.Camera("Around", "panorama", np.eye(4), (0.0, 1.0, 0.0, 1.0))
     data = types.SimpleNamespace(window_matrix=window, is_perspective=True)
-    view = view_of(REGION, data, space(), render(), panorama)
+    view = view_of(REGION, data, space(), render(), panorama, described.viewplane)
     assert (view.origin, view.size, view.crop) == ((-300, -200), (1200, 800), (300, 200, 900, 600))
     part = coarse(view, 4)
-    assert part.place == (0, 0, 600, 400)
+    assert (part.place, part.camera.viewplane) == ((0, 0, 600, 400), (0, 1, 0, 1))
     assert planar.crop == (0, 0, *SIZE)
 
 

@@ -4,6 +4,7 @@ renderer is a stand-in whose samples take as long as it is told."""
 
 import threading
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -73,9 +74,8 @@ CAMERA = description.Camera("View", "perspective", np.eye(4), (-1.0, 1.0, -1.0, 
 
 def job(samples=4, size=(640, 360), crop=True, **members):
     view = View(CAMERA, (0, 0), size, (0, 0, *size) if crop else None)
-    scene = description.Scene(
-        CAMERA, description.Film(1, 1), settings={"time_limit": 5.0, "target_error": 0.1}
-    )
+    limits = {"time_limit": 5.0, "target_error": 0.1}
+    scene = description.Scene(CAMERA, description.Film(1, 1), settings=limits)
     return Job(scene, view, samples, **members)
 
 
@@ -102,7 +102,7 @@ def test_first_pictures_are_as_coarse_as_they_must_be():
     assert dividers(100, 1e9, 1) == [1]
     for rate in (1e3, 1e5, 1e6, 1e7):
         steps = dividers(640 * 360, rate, 1)
-        assert steps[-1] == 1 and all(a == 2 * b for a, b in zip(steps, steps[1:], strict=False))
+        assert steps[-1] == 1 and all(a == 2 * b for a, b in pairwise(steps))
         first = 640 * 360 / steps[0] ** 2 / rate
         assert first <= FIRST_SECONDS or steps[0] == COARSEST
         assert len(steps) == 1 or 4 * first > FIRST_SECONDS  # no coarser than that
@@ -204,9 +204,10 @@ def test_stop_keeps_the_picture(worker):
     assert worker.picture.pixels[0, 0, 0] == 3
 
 
-@pytest.mark.parametrize(
-    "fault", [ValueError("mesh 'A': bad; mend it"), RuntimeError("full"), TypeError("bug")]
-)
+FAULTS = (ValueError("mesh 'A': bad; mend it"), RuntimeError("full"), TypeError("bug"))
+
+
+@pytest.mark.parametrize("fault", FAULTS)
 def test_faults_are_told_once_and_mended(worker, fault, capsys):
     worker.session.fault = fault
     worker.request(job())

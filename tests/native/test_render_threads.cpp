@@ -66,6 +66,27 @@ void look(const Render& render) {
 class RenderThreads : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Adaptive, RenderThreads, testing::Bool());
 
+TEST(RenderPause, HoldsBetweenPassesAndChangesNothing) {
+    Settings settings = settings_of(2);
+    settings.samples = 1 << 20;
+    Render render(scene(), settings, frame());
+    render.pause(true);
+    render.start();
+    EXPECT_FALSE(render.wait(0.2));
+    EXPECT_EQ(render.samples_done(), 0);
+    render.pause(false);
+    while (render.samples_done() < 4)
+        EXPECT_FALSE(render.wait(0.01));
+    render.pause(true);
+    render.wait(0.5);  // the pass that was going on
+    const int done = render.samples_done();
+    render.wait(0.2);
+    EXPECT_LE(render.samples_done(), done + 16);
+    render.cancel();  // gets through a pause
+    EXPECT_TRUE(render.wait(60));
+    EXPECT_EQ(render.state(), Render::State::cancelled);
+}
+
 TEST_P(RenderThreads, OthersMayLookOn) {
     Render one(scene(), settings_of(1, GetParam()), frame());
     finish(one);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rendered 3D view: samples arrive, orbit, edits, undo, a VDB sequence, passes, borders, two views, F12
-beside them, back to Solid.
+beside them, back to Solid; previews of materials.
 
 The extension is installed already. Arguments: folder for screenshots, .blend of a still scene, .blend of a
 scene with a VDB sequence, folder for pictures. What the test outside compares is in the folder of pictures:
@@ -18,7 +18,7 @@ import common
 import stage
 
 SAMPLES = 16
-CYCLES = 25  # from Solid to Rendered and back
+CYCLES = 20  # from Solid to Rendered and back
 facts = {}
 
 
@@ -103,8 +103,8 @@ def frame_place():
     plane = scene.camera.calc_matrix_camera(
         bpy.context.evaluated_depsgraph_get(), x=scene.render.resolution_x, y=scene.render.resolution_y
     )
-    frame = inside._frame(inside.viewplane(plane, True), view.camera.viewplane, view.size)
-    left, top, _, bottom = place_of(areas()[0])
+    frame = inside.frame_in(inside.viewplane(plane, True), view.camera.viewplane, view.size)
+    left, _, _, bottom = place_of(areas()[0])
     x0, y0, x1, y1 = frame
     return [left + x0, bottom - y1, left + x1, bottom - y0]
 
@@ -121,7 +121,8 @@ def samples_arrive(blend):
     scene.render.engine = "NEPHELE"
     scene.nephele.viewport_samples = SAMPLES
     space().region_3d.view_perspective = "CAMERA"
-    space().region_3d.view_camera_zoom = 20.0
+    space().region_3d.view_camera_zoom = 0.0
+    scene.render.use_border = True  # nothing beyond the camera's frame
     bare(False)
     yield 1.0
     stage.screenshot("viewport_solid")
@@ -133,7 +134,6 @@ def samples_arrive(blend):
     facts["view"], facts["frame"] = place_of(areas()[0]), frame_place()
     x0, y0, x1, y1 = facts["frame"]
     scene.render.resolution_x, scene.render.resolution_y = round(x1 - x0), round(y1 - y0)
-    yield from rendered()
     bpy.context.preferences.view.render_display_type = "NONE"
     yield from f12()
     settings = scene.render.image_settings
@@ -141,6 +141,9 @@ def samples_arrive(blend):
         settings.media_type = "IMAGE"
     settings.file_format, settings.color_mode = "PNG", "RGB"
     bpy.data.images["Render Result"].save_render(str(Path(common.arguments()[3], "f12.png")), scene=scene)
+    scene.render.use_border = False
+    scene.render.preview_pixel_size = "8"
+    scene.nephele.viewport_samples = 4
     yield from rendered()
 
 
@@ -157,8 +160,6 @@ def f12():
 
 def orbit():
     """Steps around the scene; every step's first picture is timed."""
-    scene = bpy.context.scene
-    scene.render.preview_pixel_size = "4"
     bare(True)
     with over_view():
         bpy.ops.view3d.view_camera()
@@ -166,7 +167,7 @@ def orbit():
     space().region_3d.view_location = (0.0, 6.0, 1.5)
     yield from rendered("viewport_orbit_before")
     facts["orbit"] = []
-    for _ in range(6):
+    for _ in range(4):
         with over_view():
             bpy.ops.view3d.view_orbit(type="ORBITLEFT", angle=0.1)
         yield from rendered()
@@ -241,17 +242,16 @@ def two_views():
     """A second view beside the first, and F12 beside both; an error is told in the view."""
     with stage.override(area=areas()[0], region=region(areas()[0])):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
-    yield 1.0
+    yield lambda: len(workers()) == 2
     areas()[1].spaces.active.region_3d.view_perspective = "PERSP"
     yield from rendered(count=2)
-    bpy.context.scene.nephele.viewport_samples = 4 * SAMPLES
+    bpy.context.scene.nephele.viewport_samples = bpy.context.scene.nephele.samples = 8
     yield from f12()
     yield from rendered("viewport_two", count=2)
     with stage.override(area=areas()[1], region=region(areas()[1])):
         bpy.ops.screen.area_close()
     yield lambda: len(viewports()) == 1
     yield from rendered()
-    bpy.context.scene.nephele.viewport_samples = SAMPLES
 
 
 def error():
@@ -279,13 +279,31 @@ def modes():
     yield from shot("viewport_solid_again")
 
 
+def previews():
+    """Previews of materials in the properties editor: one of a surface and one of a volume."""
+    area = areas()[0]
+    area.type = "PROPERTIES"
+    yield 1.0
+    area.spaces.active.search_filter = "preview"
+    for name in ("Copper ball", "Cloud"):
+        item = bpy.context.scene.objects[name]
+        stage.window().view_layer.objects.active = item
+        yield 0.5
+        area.spaces.active.context = "MATERIAL"
+        yield 3.0
+        yield lambda: not bpy.app.is_job_running("RENDER_PREVIEW")
+        yield from shot(f"preview_{name.split()[0].lower()}")
+    area.spaces.active.search_filter = ""
+    area.type = "VIEW_3D"
+
+
 def sequence(blend):
     """Scrubs through a VDB sequence."""
     scene = common.open_scene(blend, 640, 360, SAMPLES)
     yield 2.0
     scene.render.engine = "NEPHELE"
-    scene.nephele.viewport_samples = SAMPLES
-    scene.render.preview_pixel_size = "4"
+    scene.nephele.viewport_samples = 8
+    scene.render.preview_pixel_size = "8"
     space().region_3d.view_perspective = "CAMERA"
     space().shading.type = "RENDERED"
     yield 0.5
@@ -306,6 +324,7 @@ def scenario():
     yield from two_views()
     yield from error()
     yield from modes()
+    yield from previews()
     yield from sequence(sequence_blend)
     Path(folder, "facts.json").write_text(json.dumps(facts, indent=1))
 
