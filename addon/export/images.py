@@ -15,7 +15,6 @@ import numpy as np
 from ..description import Image
 from .history import uid
 from .mesh import frozen, same_or
-from .plain_exr import write_rgba
 
 ENCODED = {"sRGB"}  # colour spaces that the native side decodes
 AS_STORED = {"Non-Color", "Raw", "Linear Rec.709", "Linear", "data"}
@@ -234,9 +233,17 @@ def _described(pixels, opened, image, associated):
 def _linear(pixels, space):
     """Returns pixels of any colour space that Blender knows in scene-linear: by way of a file, as it
     converts what it reads."""
+    height, width = pixels.shape[:2]
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "stored.exr"))
-        write_rgba(path, pixels[::-1])
+        stored = bpy.data.images.new("Stored", width, height, alpha=True, float_buffer=True, is_data=True)
+        try:
+            stored.alpha_mode = "CHANNEL_PACKED"
+            stored.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).reshape(-1))
+            stored.filepath_raw, stored.file_format = path, "OPEN_EXR"
+            stored.save()
+        finally:
+            bpy.data.images.remove(stored)
         image = bpy.data.images.load(path)
         try:
             image.alpha_mode = "CHANNEL_PACKED"
