@@ -4,7 +4,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup build render test test-long stability stress lint format asan tsan fuzz bench bench-foundation bench-features scenes bake clean extension test-blender
+.PHONY: help setup build render test test-long stability stress lint format asan tsan fuzz bench bench-foundation bench-features scenes bake pictures clean extension test-blender
 
 python := .venv/bin/python
 
@@ -91,6 +91,12 @@ scenes: build ## make the bundled .blend files anew from their scripts
 
 bake: build ## bake the smoke simulation anew (installs Debian's Blender)
 	bash blend_scenes/smoke/bake.sh
+
+pictures: build ## take the pictures of docs/user anew (root; makes the root trixie)
+	@scripts/setup.sh extension
+	@scripts/extension.sh system
+	@scripts/blenders.sh bpy-4.5.15 trixie
+	$(python) tools/user_pictures.py
 
 clean: ## remove what was built; .venv and out/ stay
 	rm -rf --one-file-system build dist *.egg-info

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets: files as Blender's preset menus write and run them, whose lines `nephele.NAME = VALUE` are all
+"""Presets: files as Blender's preset menus write and run them, whose lines `... nephele.NAME = VALUE` are all
 that is read here. Knows neither bpy nor the native module.
 
 A preset stands for a value of every setting that presets govern: the default where it names none.

@@ -19,8 +19,8 @@ class NEPHELE_OT_preset_add(AddPresetBase, bpy.types.Operator):
     bl_label = "Add Render Preset"
     preset_menu = "NEPHELE_PT_presets"
     preset_subdir = preset_files.SUBFOLDER
-    preset_defines = ("nephele = bpy.context.scene.nephele",)
-    preset_values = tuple(f"nephele.{parameter.name}" for parameter in preset_files.governed())
+    # In full: Blender 4.3 does not see names of preset_defines under Python 3.13.
+    preset_values = tuple(f"bpy.context.scene.nephele.{p.name}" for p in preset_files.governed())
 
     def remove(self, context, filepath):
         if Path(filepath).is_relative_to(preset_files.BUNDLED):

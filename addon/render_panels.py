@@ -62,6 +62,9 @@ BLENDER_PROPERTIES = {
 # Ours that Blender's stand for in its panels: the command line's --threads comes before Blender's setting.
 COMMAND_LINE_ONLY = {"threads"}
 
+# Shorter texts, where the panel says the rest: labels are cut off in a narrow editor.
+SHORT = {"surface_bounces": "Surface", "volume_bounces": "Volume", "distance_sampling": "Distances"}
+
 
 class _SettingsPanel(OurPanel):
     """Mixin: some parameters, greyed out where others make them idle, and Blender's properties of the same
@@ -79,7 +82,7 @@ class _SettingsPanel(OurPanel):
         for name in self.names:
             row = column.row(align=True)
             row.enabled = is_used(name, settings)
-            row.prop(settings, name)
+            row.prop(settings, name, **({"text": SHORT[name]} if name in SHORT else {}))
         for name in BLENDER_PROPERTIES.get(self.identifier, ()):
             row = layout.row()
             row.enabled = name != "threads" or render.threads_mode == "FIXED"

@@ -22,6 +22,6 @@ def reach(monkeypatch):
 
 def test_blender_has_all_that_the_extension_imports(reach):
     names = {path.name for path in reach.reached_files()}
-    assert {"engine.py", "images.py", "viewport.py"} <= names
+    assert {"engine.py", "images.py"} <= names
     assert {"sky_bake.py", "Preview.py", "Benchmark.py"} <= names  # run or read by path
     assert "exr.py" not in names

@@ -104,7 +104,7 @@ def test_options_come_before_the_preset_and_that_before_the_scene(run, tmp_path)
     made.settings.update(seed=5, max_bounces=3)
     description_file.save(scene, made)
     settings = overrides(run, scene, tmp_path, "--preset", "preview", "--samples", 2)
-    assert (settings["samples"], settings["seed"], settings["max_bounces"]) == (2, 5, 16)
+    assert (settings["samples"], settings["seed"], settings["max_bounces"]) == (2, 5, 64)
 
 
 def test_unknown_preset_is_refused(run, scene_file, tmp_path):

@@ -7,6 +7,8 @@ Blender's output, which fails the test. The rendered viewport has its place here
 inside/.
 """
 
+import json
+
 import numpy as np
 import pytest
 from checks import check_alike, check_report, check_turns
@@ -125,3 +127,17 @@ def test_renders_with_windows(host, installed, scene_for, shots):
 def test_session_with_windows(host, installed, scene_for, shots):
     copy = fresh(WORK / host.name / "session") / "saved.blend"
     check_output(host.show("ui_session.py", shots, scene_for(host, "cloud"), copy, resources=installed))
+
+
+ROUNDS, WARM_UP = 4, 2  # of 40 actions each
+
+
+def test_rounds_of_actions_leave_no_memory(host, installed, scene_for, shots):
+    """What a round does is done again and again; after the warm-up memory stays within 2 %."""
+    folder = fresh(WORK / host.name / "actions")
+    arguments = (shots, scene_for(host, "cloud"), folder / "saved.blend", folder / "told.json", ROUNDS)
+    check_output(host.show("ui_actions.py", *arguments, resources=installed, timeout=3000))
+    told = json.loads((folder / "told.json").read_text())
+    assert len(told["actions"]) / ROUNDS * (ROUNDS - WARM_UP) >= 50
+    steady = told["memory"][WARM_UP - 1 :]
+    assert max(steady) < 1.02 * steady[0], told["memory"]

@@ -36,6 +36,26 @@ def activate(kind):
     found.select_set(True)
 
 
+def variants(area):
+    """Looks at the data of lights of each type, and of panoramic cameras of each: their panels differ."""
+    activate("LIGHT")
+    yield 0.5
+    area.spaces.active.context = "DATA"
+    for kind in ("POINT", "SPOT", "AREA"):
+        bpy.context.object.data.type = kind
+        yield 1.0
+        stage.screenshot(f"light_{kind.lower()}")
+    activate("CAMERA")
+    yield 0.5
+    camera = bpy.context.object.data
+    camera.type = "PANO"
+    values = camera if hasattr(camera, "panorama_type") else camera.cycles
+    for item in values.bl_rna.properties["panorama_type"].enum_items:
+        values.panorama_type = item.identifier
+        yield 1.0
+        stage.screenshot(f"panorama_{item.identifier.lower()}")
+
+
 def scenario():
     """Looks at the preferences after the installation, then at the tabs: as they open at first, and searched
     for a letter that every label has, which opens and draws every panel there is."""
@@ -65,6 +85,7 @@ def scenario():
             stage.screenshot(
                 f"tab_{tab.lower()}{'_' + kind.lower() if kind else ''}{'_searched' if search else ''}"
             )
+    yield from variants(area)
     bpy.ops.wm.save_userpref()
 
 

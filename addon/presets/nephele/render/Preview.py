@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A quick look: noisy, and darker than it will be deep inside clouds.
+# A quick look: noisy, but with all the light of a final image.
 import bpy
 
 nephele = bpy.context.scene.nephele
 
 nephele.samples = 16
-nephele.max_bounces = 16
