@@ -8,10 +8,10 @@ import bpy
 from bpy_extras.node_utils import find_node_input
 
 from . import engine
+from .export.film import toggle_of
 from .export.nodes import uses_nodes
 from .parameters import PARAMETERS
 from .passes import PASSES
-from .properties import toggle_name
 
 ENGINE = "NEPHELE"
 
@@ -50,6 +50,7 @@ ADOPTED = {
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_WORLD_PT_mist",
     "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_layer_passes_cryptomatte",
 }
 
 
@@ -138,11 +139,12 @@ class NEPHELE_PT_passes(OurPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Include", align=True)
+        drawn = set()
         for row in PASSES:
-            if row.view_layer:
-                column.prop(layer, row.view_layer, text=row.name)
-            else:
-                column.prop(layer.nephele, toggle_name(row))
+            if row.denoised or row.levels or (toggle := toggle_of(layer, row)) in drawn:
+                continue
+            drawn.add(toggle)  # one may ask for several passes
+            column.prop(*toggle, text="Denoising Data" if row.cycles in toggle[1:] else row.name)
 
 
 class _NodePanel(OurPanel):
