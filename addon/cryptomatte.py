@@ -19,16 +19,16 @@ def materials(scene):
             yield DEFAULT_MATERIAL if number < 0 else scene.materials[number].name
 
 
-def metadata(scene, layer, matte_hash):
+def metadata(scene, layer, native):
     """Returns a dict of the texts that go into the header of an image of `scene`, a description.Scene; empty
-    where its film has no cryptomatte. layer: the view layer's name. matte_hash: the native module's."""
+    where its film has no cryptomatte. layer: the view layer's name. native: the native module."""
     texts = {}
     for kind, names_of in KINDS.items():
         if not any(name.startswith(kind) for name in scene.film.passes):
             continue
         name = f"{layer}.{kind}"
-        prefix = f"cryptomatte/{matte_hash(name):08x}"[: len("cryptomatte/") + 7]
-        manifest = {item: f"{matte_hash(item):08x}" for item in sorted(set(names_of(scene)))}
+        prefix = f"cryptomatte/{native.matte_hash(name):08x}"[: len("cryptomatte/") + 7]
+        manifest = {item: f"{native.matte_hash(item):08x}" for item in sorted(set(names_of(scene)))}
         texts |= {
             f"{prefix}/name": name,
             f"{prefix}/hash": "MurmurHash3_32",

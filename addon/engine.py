@@ -145,7 +145,7 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
 
     def _write_manifests(self, scene, layer):
         """Tells Blender, and so its files, which names the mattes' ids stand for."""
-        texts = cryptomatte.metadata(scene, layer, bridge.load_native().matte_hash)
+        texts = cryptomatte.metadata(scene, layer, bridge.load_native())
         for field_name, text in texts.items():
             self.get_result().stamp_data_add_field(field=field_name, value=text)
 

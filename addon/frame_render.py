@@ -133,7 +133,7 @@ class FrameRender:
         done, error = native["samples_done"], last_error(native)
         attributes = checkpoint.image_attributes(self.identity(), done, error)
         layer = self.source.layer
-        mattes = cryptomatte.metadata(self.scene, layer, self.native_module.matte_hash)
+        mattes = cryptomatte.metadata(self.scene, layer, self.native_module)
         exr.write(self.image_path, images, self.scene.film, layer, attributes, mattes)
         if self.request.png:
             with atomic(self.request.path("png", self.frame)) as temporary:
