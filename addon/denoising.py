@@ -21,10 +21,15 @@ LIBRARY = "libOpenImageDenoise"
 CPU, FLOAT3 = 1, 3  # OIDN_DEVICE_TYPE_CPU, OIDN_FORMAT_FLOAT3
 FEATURES = ("albedo", "normal")
 
+UNAVAILABLE = (
+    "denoising needs the library Open Image Denoise 2, which this Blender was built without; use a Blender "
+    "from blender.org, install the library, or set denoise to false"
+)
+
 _lock = threading.Lock()  # the library's device is one for all
 
 
-class DenoisingError(Exception):
+class DenoisingError(RuntimeError):
     """There is no denoiser, or it failed; the message says why and what to do."""
 
 
@@ -95,10 +100,7 @@ def _device():
     """Returns the processor as a device, made once: that takes some milliseconds."""
     library = _library()
     if library is None:
-        raise DenoisingError(
-            "denoising needs the library Open Image Denoise 2, which this Blender was built without; use a "
-            "Blender from blender.org, install the library, or set denoise to false"
-        )
+        raise DenoisingError(UNAVAILABLE)
     device = library.oidnNewDevice(CPU)
     library.oidnSetDeviceBool(device, b"setAffinity", False)  # threads stay where the renderer's are
     library.oidnCommitDevice(device)

@@ -78,11 +78,12 @@ class VolumeClosure:
 @dataclass(frozen=True)
 class Material:
     """surface: None where the material has no surface shader (a pure volume boundary). volume: closures, ()
-    for none."""
+    for none. pass_index: of the pass Material Index."""
 
     name: str
     surface: Program | None = None
     volume: tuple = ()
+    pass_index: int = 0
 
 
 @dataclass(frozen=True)
@@ -112,10 +113,10 @@ class Mesh:
 class Instance:
     """A mesh placed in the world. mesh: index. materials: material index by slot (at least one; -1 for
     none: a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA;
-    pass_index: object's. dielectric_priority: where objects with one overlap, only that of the highest is
-    there; 0 takes no part. properties: (N, 4) numbers by which shaders read attributes of the object.
-    motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter; None where
-    it stands still."""
+    pass_index: object's. asset: name of its topmost parent, "" where that is itself. dielectric_priority:
+    where objects with one overlap, only that of the highest is there; 0 takes no part. properties: (N, 4)
+    numbers by which shaders read attributes of the object. motion: (S, 4, 4) float64, world_from_object at
+    S >= 2 equally spaced times of the shutter; None where it stands still."""
 
     name: str
     mesh: int
@@ -128,6 +129,7 @@ class Instance:
     dielectric_priority: int = 0
     properties: tuple = ()
     motion: Array | None = None
+    asset: str = ""
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,8 @@ class Camera:
 class Film:
     """width, height: full frame in pixels. crop: (x0, y0, x1, y1) pixels rendered, x1 and y1 exclusive, row
     0 at the bottom; None for the full frame. transparent: the background counts as alpha 0 and adds nothing.
-    passes: names of passes.PASSES. mist: (start, depth, falloff) with falloff "linear", "quadratic" or
+    passes: names of passes.PASSES. opaque_alpha: surfaces of less are not the first that Depth, Position,
+    Normal, UV and the indices tell of. mist: (start, depth, falloff) with falloff "linear", "quadratic" or
     "inverse_quadratic"."""
 
     width: int
@@ -232,6 +235,7 @@ class Film:
     transparent: bool = False
     passes: tuple = ("Combined",)
     mist: tuple = (5.0, 25.0, "quadratic")
+    opaque_alpha: float = 0.5
 
 
 @dataclass(frozen=True)

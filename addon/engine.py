@@ -11,9 +11,12 @@ from dataclasses import dataclass, field, replace
 import bpy
 import numpy as np
 
+from . import bridge, cryptomatte
 from .export import ExportError
 from .export.film import border, enabled_passes, resolution
 from .maps import FALSE_COLOURED
+from .passes import lookup
+from .pictures import needed, pictures
 from .session import Session
 from .status import clock, status_text
 from .viewport import USER_FAULTS, Viewport
@@ -62,8 +65,9 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene=None, renderlayer=None):
         """Blender asks which passes there are."""
-        for row in enabled_passes(renderlayer):
-            self.register_pass(scene, renderlayer, row.name, len(row.channels), row.channels, row.kind)
+        for row in enabled_passes(renderlayer, scene):
+            name = blender_name(row)
+            self.register_pass(scene, renderlayer, name, len(row.channels), row.channels, row.kind)
 
     def __del__(self):
         """Blender lets go of the engine, of which nothing of Blender's is left."""
@@ -87,7 +91,9 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
         # Until it has seen this depsgraph: what it missed, it would never learn of.
         session, self._session = self._session, None
         # A result must be complete before anything can fail: Blender crashes on writing a file without one.
-        self.end_result(self._begin_blank(depsgraph))
+        blank = self._begin_blank(depsgraph)
+        self._built_in = set(blank.layers[0].passes.keys())  # passes that Blender makes by itself
+        self.end_result(blank)
         record = RenderRecord(depsgraph.scene.frame_current, depsgraph.view_layer.name)
         if not self.is_preview:
             last_render = record
@@ -141,11 +147,12 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             return
         with _Timer(record, "build"):
             self.update_stats("", "Building scene")
-            renderer = session.build(scene)
+            renderer = session.build(needed(scene))
         self._warn(record, renderer.warnings)
-        for row in enabled_passes(depsgraph.view_layer):
-            if not row.view_layer:
-                self.add_pass(row.name, len(row.channels), row.channels, layer=depsgraph.view_layer.name)
+        for row in enabled_passes(depsgraph.view_layer, depsgraph.scene):
+            name = blender_name(row)
+            if name not in self._built_in:
+                self.add_pass(name, len(row.channels), row.channels, layer=depsgraph.view_layer.name)
         if self._cancelled_before_start(record):
             return
         result = self._begin_blank(depsgraph)
@@ -153,12 +160,20 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             with _Timer(record, "render"):
                 self._run(renderer, result, scene.film.passes, record)
             with _Timer(record, "write"):
-                write_passes(result, renderer, scene.film.passes)
+                images = pictures(renderer, scene)
+                write_passes(result, images)
                 # Python cannot read the passes of Blender's own result.
-                record.images = {n: renderer.read_pass(n) for n in scene.film.passes if n in FALSE_COLOURED}
+                record.images = {n: image for n, image in images.items() if n in FALSE_COLOURED}
+                self._write_manifests(scene, depsgraph.view_layer.name)
         finally:
             self.end_result(result)
             record.statistics = dict(renderer.statistics())
+
+    def _write_manifests(self, scene, layer):
+        """Tells Blender, and so its files, which names the mattes' ids stand for."""
+        texts = cryptomatte.metadata(scene, layer, bridge.load_native())
+        for field_name, text in texts.items():
+            self.get_result().stamp_data_add_field(field=field_name, value=text)
 
     def _warn(self, record, warnings):
         if self.is_preview:  # of scenes that are not the user's
@@ -191,7 +206,7 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
                     next_status = now + STATUS_SECONDS
                     self._show_progress(renderer.progress())
                 if now >= next_picture:
-                    write_passes(result, renderer, passes)
+                    write_passes(result, {name: renderer.read_pass(name) for name in passes})
                     self.update_result(result)
                     pause = min(pause * UPDATE_GROWTH, LAST_UPDATE_SECONDS)
                     next_picture = time.monotonic() + pause
@@ -229,12 +244,17 @@ def _megabytes(statistics):
     return (grids + statistics.get("embree_bytes", 0)) / 2**20
 
 
-def write_passes(result, renderer, names):
-    """Copies the renderer's passes into a begun result of Blender's."""
+def blender_name(row):
+    """Returns what this Blender calls a pass."""
+    return row.old_name if row.old_name and bpy.app.version < (5, 0, 0) else row.name
+
+
+def write_passes(result, images):
+    """Copies images by pass name into a begun result of Blender's."""
     passes = result.layers[0].passes
-    for name in names:
-        pixels = np.ascontiguousarray(renderer.read_pass(name), np.float32)
-        passes[name].rect.foreach_set(pixels.reshape(-1))
+    for name, image in images.items():
+        pixels = np.ascontiguousarray(image, np.float32)
+        passes[blender_name(lookup(name))].rect.foreach_set(pixels.reshape(-1))
 
 
 CLASSES = (NepheleRenderEngine,)

@@ -17,11 +17,12 @@ from .output import atomic
 CHANNEL_ORDER = "RGBAXYZWUV"  # how the channels of a pass are sorted in memory
 
 
-def write(path, images, film, layer="ViewLayer", attributes=None):
+def write(path, images, film, layer="ViewLayer", attributes=None, metadata=None):
     """Writes `images`, a dict of pass name -> (h, w, channels) float32 with the bottom row first, to `path`.
 
     film: description.Film that they were rendered with. attributes: dict of text for the header, each name
-    prefixed with "nephele/". Raises InputError where the file cannot be written.
+    prefixed with "nephele/". metadata: more of the same, by their whole names. Raises InputError where
+    the file cannot be written.
     """
     channels = {}
     for name, pixels in images.items():
@@ -36,6 +37,7 @@ def write(path, images, film, layer="ViewLayer", attributes=None):
         "dataWindow": window(x0, film.height - y1, x1, film.height - y0),
     }
     header |= {f"nephele/{key}": value for key, value in (attributes or {}).items()}
+    header |= metadata or {}
     with atomic(path) as temporary, OpenEXR.File(header, channels) as file:
         try:
             file.write(str(temporary))
@@ -87,7 +89,11 @@ def read(path):
 
 def stacked(path, name, letters):
     """Returns (letters in order, (h, w, channels) array) of a dict letter -> (h, w) array."""
-    order = sorted(letters, key=lambda letter: (CHANNEL_ORDER.find(letter) % len(CHANNEL_ORDER), letter))
+
+    def place(letter):
+        return (CHANNEL_ORDER.find(letter.upper()) % len(CHANNEL_ORDER), letter)  # cryptomattes have rgba
+
+    order = sorted(letters, key=place)
     if len({letters[letter].shape for letter in order}) != 1:
         raise InputError(f"{path}: channels of pass {name} differ in size")
     return "".join(order), np.stack([letters[letter] for letter in order], axis=-1)

@@ -4,7 +4,17 @@
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from . import checkpoint, description_file, exr, guiding_file, rendering, report, statistics
+from . import (
+    checkpoint,
+    cryptomatte,
+    description_file,
+    exr,
+    guiding_file,
+    pictures,
+    rendering,
+    report,
+    statistics,
+)
 from .errors import InputError
 from .output import atomic
 
@@ -57,7 +67,7 @@ class FrameRender:
             else:
                 notes.append(f"{self.checkpoint_path} does not exist; starting at the first sample")
         stage = time.perf_counter()
-        renderer = rendering.build(self.scene, parts)
+        renderer = rendering.build(pictures.needed(self.scene), parts)
         if state is not None:
             try:
                 renderer.restore(state)
@@ -96,7 +106,7 @@ class FrameRender:
         self.seconds["render"] = time.perf_counter() - started
         native = renderer.statistics()
         stage = time.perf_counter()
-        images = {name: renderer.read_pass(name) for name in self.scene.film.passes}
+        images = pictures.pictures(renderer, self.scene)
         self.write_images(images, native)
         if not self.complete(native):
             self.save_checkpoint(renderer)
@@ -122,7 +132,9 @@ class FrameRender:
         """Writes the EXR and the PNG."""
         done, error = native["samples_done"], last_error(native)
         attributes = checkpoint.image_attributes(self.identity(), done, error)
-        exr.write(self.image_path, images, self.scene.film, self.source.layer, attributes)
+        layer = self.source.layer
+        mattes = cryptomatte.metadata(self.scene, layer, self.native_module)
+        exr.write(self.image_path, images, self.scene.film, layer, attributes, mattes)
         if self.request.png:
             with atomic(self.request.path("png", self.frame)) as temporary:
                 self.source.save_png(temporary, images["Combined"])

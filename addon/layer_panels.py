@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import bpy
 
+from .export.film import toggle_of
 from .panels import OurPanel
 from .passes import PASSES, RADIANCE
-from .properties import toggle_name
 
 # What is for judging the render, not for making the picture.
 OF_SAMPLING = {
@@ -48,13 +48,14 @@ class _PassesPanel(OurPanel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Include", align=True)
+        drawn = set()
         for row in PASSES:
-            if kind(row) != self.kind:
+            if kind(row) != self.kind or row.denoised or row.levels:
                 continue
-            if row.view_layer:
-                column.prop(layer, row.view_layer, text=row.name)
-            else:
-                column.prop(layer.nephele, toggle_name(row))
+            toggle = toggle_of(layer, row)
+            if toggle not in drawn:
+                drawn.add(toggle)  # one may ask for several passes
+                column.prop(*toggle, text="Denoising Data" if row.cycles in toggle[1:] else row.name)
 
 
 def _panel(identifier, label, closed):

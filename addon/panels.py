@@ -27,6 +27,7 @@ ADOPTED = {
     "EEVEE_MATERIAL_PT_context_material",
     "MATERIAL_PT_preview",
     "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_layer_passes_cryptomatte",
 }
 
 

@@ -88,6 +88,14 @@ PARAMETERS = (
         "seed", "int", 0, "Seed", "Seed of every random decision; the same seed gives the same image", 0, _BIG
     ),
     Parameter(
+        "denoise",
+        "bool",
+        False,
+        "Denoise",
+        "Take the noise out of the final picture, guided by what surfaces and volumes look like; the pass "
+        "Noisy Image keeps it as it was",
+    ),
+    Parameter(
         "threads", "int", 0, "Threads", "Render threads; 0 uses every core", 0, 1024, 64, group="performance"
     ),
     Parameter(

@@ -12,9 +12,12 @@ from dataclasses import dataclass
 class Pass:
     """One render pass.
 
-    name: as artists see it. channels: channel letters, as in an EXR. kind: Blender's pass type, "COLOR",
-    "VECTOR" or "VALUE". unit: of the values. doc: meaning, one sentence without final stop. view_layer:
-    Blender's own ViewLayer toggle ("" where Blender has none and the add-on offers its own).
+    name: as artists see it, as Cycles' in Blender 5 where it means the same. channels: channel letters, as in
+    an EXR. kind: Blender's pass type, "COLOR", "VECTOR" or "VALUE". unit: of the values. doc: meaning, one
+    sentence without final stop. view_layer: Blender's own ViewLayer toggle ("" where Blender has none).
+    cycles: Cycles' toggle in ViewLayer.cycles, which stands for ours where Cycles is there. levels: of
+    cryptomattes, the fewest at which there is this pass. old_name: Blender's name before version 5. denoised:
+    it is there where the picture is denoised, and has no toggle.
     """
 
     name: str
@@ -23,6 +26,10 @@ class Pass:
     unit: str
     doc: str
     view_layer: str = ""
+    cycles: str = ""
+    levels: int = 0
+    old_name: str = ""
+    denoised: bool = False
 
     @property
     def identifier(self):
@@ -32,6 +39,43 @@ class Pass:
 
 RADIANCE = "W/(m^2 sr)"
 RADIANCE_VARIANCE = "W^2/(m^4 sr^2)"
+MOST_LEVELS = 16  # of cryptomattes; each pass holds two
+
+
+def _light(surface, name, short, first):
+    """Returns the three passes of light whose first event was of one kind."""
+    light = f"Light whose first event was {first}"
+    return (
+        Pass(
+            f"{name} Direct", "RGB", "COLOR", RADIANCE,
+            f"{light} and that no other followed, divided by {name} Color",
+            f"use_pass_{surface}_direct", old_name=f"{short}Dir",
+        ),
+        Pass(
+            f"{name} Indirect", "RGB", "COLOR", RADIANCE,
+            f"{light} and others followed, divided by {name} Color",
+            f"use_pass_{surface}_indirect", old_name=f"{short}Ind",
+        ),
+        Pass(
+            f"{name} Color", "RGB", "COLOR", "1",
+            f"Share of light that the surfaces in view scatter by {surface} lobes, dimmed by the volumes "
+            "before them",
+            f"use_pass_{surface}_color", old_name=f"{short}Col",
+        ),
+    )  # fmt: skip
+
+
+def _mattes(kind, what):
+    """Returns the cryptomatte passes of one kind of names."""
+    return tuple(
+        Pass(
+            f"Crypto{kind}{number:02d}", "rgba", "COLOR", "1",
+            f"Cryptomatte of {what}, ranks {2 * number + 1} and {2 * number + 2}: id and coverage of each",
+            f"use_pass_cryptomatte_{kind.lower()}", levels=2 * number + 1,
+        )
+        for number in range(MOST_LEVELS // 2)
+    )  # fmt: skip
+
 
 PASSES = (
     Pass("Combined", "RGBA", "COLOR", RADIANCE, "All light, with the film's alpha", "use_pass_combined"),
@@ -49,6 +93,38 @@ PASSES = (
         "COLOR",
         RADIANCE,
         "Light emitted towards the camera by what it sees first, volumes included",
+        "use_pass_emit",
+        old_name="Emit",
+    ),
+    Pass(
+        "Environment",
+        "RGB",
+        "COLOR",
+        RADIANCE,
+        "The background as the camera sees it, past surfaces and volumes",
+        "use_pass_environment",
+        old_name="Env",
+    ),
+    *_light("diffuse", "Diffuse", "Diff", "diffuse scattering on a surface"),
+    *_light("glossy", "Glossy", "Gloss", "glossy reflection"),
+    *_light("transmission", "Transmission", "Trans", "transmission through a surface"),
+    Pass(
+        "Volume Direct",
+        "RGB",
+        "COLOR",
+        RADIANCE,
+        "Light whose first event was scattering in a volume and that no other followed",
+        cycles="use_pass_volume_direct",
+        old_name="VolumeDir",
+    ),
+    Pass(
+        "Volume Indirect",
+        "RGB",
+        "COLOR",
+        RADIANCE,
+        "Light whose first event was scattering in a volume and others followed",
+        cycles="use_pass_volume_indirect",
+        old_name="VolumeInd",
     ),
     Pass(
         "Transmittance",
@@ -70,11 +146,74 @@ PASSES = (
         "Z",
         "VALUE",
         "1",
-        "World mist settings applied to the first surface's distance",
+        "The world's mist by distance from the camera: 0 near, 1 far and where no surface is",
         "use_pass_mist",
     ),
+    Pass("Position", "XYZ", "VECTOR", "m", "Place of the first surface, world space", "use_pass_position"),
     Pass(
         "Normal", "XYZ", "VECTOR", "1", "Shading normal of the first surface, world space", "use_pass_normal"
+    ),
+    Pass(
+        "UV",
+        "UVA",
+        "VECTOR",
+        "1",
+        "Coordinates of the first surface in its active UV map; A is 1 where there is a surface",
+        "use_pass_uv",
+    ),
+    Pass(
+        "Object Index",
+        "X",
+        "VALUE",
+        "1",
+        "Pass index of the first surface's object",
+        "use_pass_object_index",
+        old_name="IndexOB",
+    ),
+    Pass(
+        "Material Index",
+        "X",
+        "VALUE",
+        "1",
+        "Pass index of the first surface's material",
+        "use_pass_material_index",
+        old_name="IndexMA",
+    ),
+    Pass(
+        "Noisy Image",
+        "RGBA",
+        "COLOR",
+        RADIANCE,
+        "Combined as it was before it was denoised",
+        denoised=True,
+    ),
+    *_mattes("Object", "objects"),
+    *_mattes("Material", "materials"),
+    *_mattes("Asset", "topmost parents of objects"),
+    Pass(
+        "Denoising Normal",
+        "XYZ",
+        "VECTOR",
+        "1",
+        "Normal of what is seen, by mirrors and through glass too, camera space; 0 in volumes",
+        cycles="denoising_store_passes",
+    ),
+    Pass(
+        "Denoising Albedo",
+        "RGB",
+        "COLOR",
+        "1",
+        "Albedo of what is seen, by mirrors and through glass too, volumes included; emitters by their "
+        "light, up to 1",
+        cycles="denoising_store_passes",
+    ),
+    Pass(
+        "Denoising Depth",
+        "Z",
+        "VALUE",
+        "m",
+        "Length of the way to what is seen, by mirrors and through glass too, volumes included",
+        cycles="denoising_store_passes",
     ),
     Pass("Albedo", "RGB", "COLOR", "1", "Share of light that the first surface reflects or transmits"),
     Pass(

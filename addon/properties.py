@@ -4,6 +4,7 @@ passes.PASSES, `Object.nephele`."""
 
 import bpy
 
+from .export.film import toggle_name
 from .parameters import PARAMETERS
 from .passes import PASSES
 
@@ -30,14 +31,9 @@ def make_property(parameter):
     return bpy.props.FloatProperty(subtype=SUBTYPES.get(parameter.unit, "NONE"), **common)
 
 
-def toggle_name(row):
-    """Returns the name of the property that asks for a pass that Blender has no toggle for."""
-    return f"use_pass_{row.identifier}"
-
-
 def own_passes():
     """Returns the rows of PASSES that Blender itself has no toggle for."""
-    return tuple(row for row in PASSES if not row.view_layer)
+    return tuple(row for row in PASSES if not (row.view_layer or row.denoised))
 
 
 def _passes_changed(self, context):
@@ -63,10 +59,6 @@ class NepheleLayerSettings(bpy.types.PropertyGroup):
     """Pass toggles of a view layer, one per row of passes.PASSES without a toggle of Blender's."""
 
     __annotations__ = {toggle_name(row): _make_toggle(row) for row in own_passes()}
-
-    def wants(self, row):
-        """True when the view layer asks for a pass of `own_passes()`."""
-        return getattr(self, toggle_name(row))
 
 
 class NepheleObjectSettings(bpy.types.PropertyGroup):

@@ -5,14 +5,21 @@ import dataclasses
 import re
 from pathlib import Path
 
-from . import archive, parameters, passes, preset_files
+from . import archive, parameters, passes, pictures, preset_files
 from .errors import InputError
 from .output import check_suffix, check_writable, frame_path
 
 # The first bytes of a .blend: plain, zstd or gzip.
 BLEND_MAGIC = (b"BLENDER", b"\x28\xb5\x2f\xfd", b"\x1f\x8b")
 OUTPUTS = ("image", "png", "stats", "report", "description", "guiding_save")  # attributes of a Request
-FLAGS = ("samples", "time_limit", "target_error", "seed", "threads")  # settings with an option of their own
+FLAGS = (
+    "samples",
+    "time_limit",
+    "target_error",
+    "seed",
+    "threads",
+    "denoise",
+)  # settings with an option of their own
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,9 +56,22 @@ class Request:
             settings = parameters.checked(scene.settings | self.overrides)
         except (KeyError, ValueError) as error:
             raise InputError(f"{self.scene}: {error.args[0]}") from error
-        film = dataclasses.replace(scene.film, passes=self.passes or scene.film.passes or ("Combined",))
+        film = dataclasses.replace(scene.film, passes=self.passes or own_passes(scene, settings))
         check_png_pass(self.png, film.passes)
-        return dataclasses.replace(scene, settings=settings, film=film)
+        scene = dataclasses.replace(scene, settings=settings, film=film)
+        try:
+            pictures.denoises(scene)
+        except pictures.denoising.DenoisingError as error:
+            raise InputError(f"{self.scene}: {error}") from error
+        return scene
+
+
+def own_passes(scene, settings):
+    """Returns the names of the passes that a description.Scene asks for by itself, with these settings."""
+    wanted = set(scene.film.passes or ("Combined",)) - {"Noisy Image"}
+    if settings["denoise"] and "Combined" in wanted:
+        wanted.add("Noisy Image")
+    return tuple(row.name for row in passes.PASSES if row.name in wanted)
 
 
 def from_arguments(arguments):

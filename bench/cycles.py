@@ -21,14 +21,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from nephele.passes import PASSES as SHARED
 
-# Pass names here -> Blender's ViewLayer toggle and the letters in the EXR. Combined is always there.
-PASSES = {
-    "Combined": ("use_pass_combined", "RGB"),
-    "Depth": ("use_pass_z", "Z"),
-    "Normal": ("use_pass_normal", "XYZ"),
-    "Mist": ("use_pass_mist", "Z"),
-}
+# Pass names -> Blender's or Cycles' toggle and the letters in the EXR. Combined is taken without alpha.
+PASSES = {row.name: (row.view_layer or row.cycles, row.channels) for row in SHARED}
+PASSES["Combined"] = ("use_pass_combined", "RGB")
 
 
 @dataclass(frozen=True)
@@ -117,7 +114,8 @@ def prepare(bpy, job):
     render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     render.image_settings.color_depth = "32"
     for name in job["passes"]:
-        setattr(layer, PASSES[name][0], True)
+        toggle = PASSES[name][0]
+        setattr(layer if hasattr(layer, toggle) else layer.cycles, toggle, True)
     layer.samples = 0
     match_settings(scene.cycles, job)
     for light in bpy.data.lights:
@@ -169,7 +167,7 @@ def read_passes(path, names):
         }  # "ViewLayer.Combined.R"; Blender 5 writes a part for each pass
     images = {}
     for name in names:
-        layers = [next(c for c in channels if c.endswith(f"{name}.{letter}")) for letter in PASSES[name][1]]
+        layers = [next(c for c in channels if c.endswith(f".{name}.{letter}")) for letter in PASSES[name][1]]
         images[name] = np.stack([channels[layer] for layer in layers], axis=-1).astype(np.float32)
     return images
 

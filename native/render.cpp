@@ -56,9 +56,14 @@ PixelFilter::Kind filter_kind(Settings::PixelFilter kind) {
     return PixelFilter::Kind::blackman_harris;
 }
 
-void check_plain(const Settings& settings, const Scene& scene) {
+void check_plain(const Settings& settings, const Scene& scene, const Film& film) {
     if (settings.integrator != Settings::Integrator::plain)
         return;
+    if (film.has_parts()) {
+        throw std::invalid_argument(
+            "the plain integrator tells light apart as Volume and Surface alone; leave its other light passes, "
+            "cryptomattes and denoising passes out, or use integrator = path");
+    }
     for (const Lamp& lamp : scene.lights().lamps()) {
         if (lamp.delta()) {
             throw std::invalid_argument("light '" + lamp.name +
@@ -89,15 +94,20 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
       film_(frame_.x1 - frame_.x0, frame_.y1 - frame_.y0, frame_.passes, film_needs()),
       filter_(filter_kind(settings.pixel_filter), settings.filter_width),
       learning_(*scene_, settings, film_.width(), film_.height()),
-      kernel_(choose_kernel(settings, scene_->features(), learning_.active())) {
-    check_plain(settings_, *scene_);
+      kernel_(choose_kernel(settings, scene_->features(), learning_.active(), film_.has_parts())) {
+    check_plain(settings_, *scene_, film_);
     const auto any = [&](std::initializer_list<PassId> passes) {
         return std::any_of(passes.begin(), passes.end(), [&](PassId p) { return film_.has(p); });
     };
     request_.transmittance = any({PassId::transmittance});
     request_.majorant_depth = any({PassId::majorant_optical_depth});
     request_.features =
-        any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo});
+        any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo,
+             PassId::position, PassId::uv, PassId::object_index, PassId::material_index});
+    request_.parts = film_.has_parts();
+    request_.opaque_alpha = frame_.opaque_alpha;
+    if (film_.has(PassId::mist))
+        request_.mist = &frame_.mist;
     request_.transparent_film = frame_.transparent;
     note_learned();
 }
@@ -256,7 +266,7 @@ void Render::render_pixel(int x, int y, int target, Workspace& ws) {
         const std::uint32_t i = strided(n, stride);
         learning_.ask(number_of_path(x, y, i), request);
         const PixelSample sample = take_sample(x, y, i, request, ws);
-        film_.add(x, y, sample, settings_.film_exposure, std::min(stride, end - n));
+        film_.add(x, y, sample, settings_.film_exposure, std::min(stride, end - n), &ws.parts);
         learning_.add(x, y, sample, request.set, ws);
     }
     samples_taken_.fetch_add(film_.count(x, y) - first, std::memory_order_relaxed);
@@ -287,11 +297,10 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
     const std::uint64_t lookups = ws.counters.density_lookups;
     PixelSample s = kernel_.sample(*scene_, settings_, request, ray, sampler, ws);
     s.cost = static_cast<float>(ws.counters.density_lookups - lookups);
-    if (film_.has(PassId::mist))
-        s.mist = mist_at(s.depth);
     if (!is_finite(s.volume + s.surface)) {
         ++ws.nonfinite_samples;
         s.volume = s.surface = s.emission = Rgb(0);
+        ws.parts.clear();
         s.vsp = {};
         s.work = 0;
     }
@@ -299,21 +308,10 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
     if (settings_.clamp > 0 && largest > settings_.clamp) {
         s.volume *= settings_.clamp / largest;
         s.surface *= settings_.clamp / largest;
+        s.emission *= settings_.clamp / largest;
+        ws.parts.scale_light(settings_.clamp / largest);
     }
     return s;
-}
-
-float Render::mist_at(float depth) const {
-    const float x = clamp01((depth - frame_.mist_start) / std::max(frame_.mist_depth, 1e-6f));
-    switch (frame_.mist_falloff) {
-        case FilmSource::MistFalloff::linear:
-            return x;
-        case FilmSource::MistFalloff::quadratic:
-            return x * x;
-        case FilmSource::MistFalloff::inverse_quadratic:
-            break;
-    }
-    return std::sqrt(x);
 }
 
 bool Render::must_stop() const {

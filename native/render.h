@@ -25,8 +25,8 @@ struct FilmSource {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     bool transparent = false;
     std::vector<PassId> passes;
-    float mist_start = 5, mist_depth = 25;
-    enum class MistFalloff { linear, quadratic, inverse_quadratic } mist_falloff = MistFalloff::quadratic;
+    Mist mist;
+    float opaque_alpha = 0.5f;  ///< see SampleRequest
 };
 
 /// How far a render had come at one time.
@@ -97,6 +97,7 @@ class Render {
     void render_pixel(int x, int y, int target, Workspace& ws);
     std::uint32_t number_of_pixel(int x, int y) const;
     std::uint64_t number_of_path(int x, int y, std::uint32_t index) const;
+    /// ws.parts belongs to it, where the film has parts.
     PixelSample take_sample(int x, int y, std::uint32_t index, const SampleRequest& request,
                             Workspace& ws) const;
     void learn();
@@ -107,7 +108,6 @@ class Render {
     bool must_stop() const;
     void hold_while_paused();
     int lowest_count() const;
-    float mist_at(float depth) const;
 
     std::shared_ptr<const Scene> scene_;
     Settings settings_;

@@ -30,6 +30,12 @@ def add_parser(subparsers):
         "--target-error", metavar="E", help="stop at this estimated error (relMSE) and write what is there"
     )
     parser.add_argument("--seed", metavar="N", help="seed of every random decision")
+    parser.add_argument(
+        "--denoise",
+        action="store_const",
+        const="true",
+        help="take the noise out of Combined; Noisy Image keeps it",
+    )
     parser.add_argument("--threads", metavar="N", help="render threads; 0 uses every core")
     parser.add_argument("--resolution", metavar="WxH", help="pixels, instead of the scene's")
     parser.add_argument(

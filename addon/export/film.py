@@ -9,11 +9,7 @@ from .context import ExportError
 
 # Passes that Blender offers for every engine and that we do not have: they would stay black.
 OTHER_PASSES = (
-    "vector", "position", "uv", "object_index", "material_index", "shadow", "ambient_occlusion", "emit",
-    "environment", "diffuse_direct", "diffuse_indirect", "diffuse_color", "glossy_direct",
-    "glossy_indirect", "glossy_color", "transmission_direct", "transmission_indirect", "transmission_color",
-    "subsurface_direct", "subsurface_indirect", "subsurface_color", "cryptomatte_object",
-    "cryptomatte_material", "cryptomatte_asset",
+    "vector", "shadow", "ambient_occlusion", "subsurface_direct", "subsurface_indirect", "subsurface_color",
 )  # fmt: skip
 
 
@@ -44,12 +40,35 @@ def border(render, width, height):
     return (x0, y0, x1, y1)
 
 
-def enabled_passes(view_layer):
-    """Yields the rows of passes.PASSES that the view layer asks for, Combined always."""
+def enabled_passes(view_layer, scene):
+    """Yields the rows of passes.PASSES that a scene's view layer asks for, Combined always."""
     for row in PASSES:
-        toggle = getattr(view_layer, row.view_layer) if row.view_layer else view_layer.nephele.wants(row)
-        if toggle or row.name == "Combined":
+        if row.name == "Combined" or (
+            asked(view_layer, scene, row) and row.levels <= view_layer.pass_cryptomatte_depth
+        ):
             yield row
+
+
+def asked(view_layer, scene, row):
+    """Tells whether a view layer's toggle asks for a pass, or its scene for one that comes with denoising."""
+    if row.denoised:
+        return scene.nephele.denoise
+    return getattr(*toggle_of(view_layer, row))
+
+
+def toggle_of(view_layer, row):
+    """Returns (owner, name) of the property that asks for a pass: Blender's, Cycles' or ours."""
+    if row.view_layer:
+        return view_layer, row.view_layer
+    theirs = getattr(view_layer, "cycles", None)
+    if row.cycles and hasattr(theirs, row.cycles):
+        return theirs, row.cycles
+    return view_layer.nephele, toggle_name(row)
+
+
+def toggle_name(row):
+    """Returns the name of our own property for a pass."""
+    return f"use_pass_{row.identifier}"
 
 
 def export_film(context):
@@ -76,8 +95,9 @@ def export_film(context):
         height=height,
         crop=border(render, width, height),
         transparent=render.film_transparent,
-        passes=tuple(row.name for row in enabled_passes(layer)),
+        passes=tuple(row.name for row in enabled_passes(layer, scene)),
         mist=_mist(scene.world),
+        opaque_alpha=layer.pass_alpha_threshold,
     )
 
 

@@ -67,11 +67,13 @@ def compile_material(material, context, grids=None):
         compiler.builder.closure(
             "diffuse", ONE, (constant(tuple(material.diffuse_color)), constant(0.0), None)
         )
-        return description.Material(material.name, compiler.builder.finish()), {}, {}
+        surface = compiler.builder.finish()
+        return description.Material(material.name, surface, pass_index=material.pass_index), {}, {}
     output = active_output(material.node_tree)
     if output is None:
         context.warn(f"{owner}: has no active Material Output node; it is rendered black")
-        return description.Material(material.name, description.Program()), {}, {}
+        black = description.Program()
+        return description.Material(material.name, black, pass_index=material.pass_index), {}, {}
     if upstream(output.inputs["Displacement"]) is not None and grids is None:
         if material.displacement_method != "BUMP":
             compiler.warn(output, "true displacement is not supported; it is rendered as bump")
@@ -86,7 +88,7 @@ def compile_material(material, context, grids=None):
         compile_closures(compiler, output.inputs["Surface"], ())
         surface = finished(compiler)
     layers = ({}, {}) if surface is None else layers_read(surface, compiler.uvs, compiler.attributes)
-    return description.Material(material.name, surface, volume), *layers
+    return description.Material(material.name, surface, volume, material.pass_index), *layers
 
 
 def compile_world(world, context):

@@ -49,6 +49,7 @@ class Objects:
         self._names = {}  # (uid of an object, name of its mesh) -> key of its data
         self.arrays_by_name = {}
         self.tracks = Tracks(context)
+        self._seen_uvs = {"": 0} if context.view_layer.use_pass_uv else {}
 
     def walk(self):
         """Reads all instances."""
@@ -136,7 +137,7 @@ class Objects:
         numbers = {}
         for slot in sorted(used):
             numbers[slot], uvs, attributes = self._context.material_number(slots[slot])
-            record.require(uvs, attributes, self._context.has_surface(numbers[slot]))
+            record.require(uvs | self._seen_uvs, attributes, self._context.has_surface(numbers[slot]))
         materials = [numbers.get(slot, numbers[min(used)]) for slot in range(len(slots))]
         item = instance.object
         self.tracks.add("instance", len(self.instances), instance, record=record, mesh=number)
@@ -152,6 +153,7 @@ class Objects:
                 color=tuple(item.color),
                 pass_index=item.pass_index,
                 dielectric_priority=item.nephele.dielectric_priority,
+                asset=topmost_parent(item),
             )
         )
 
@@ -220,6 +222,15 @@ class Objects:
         self._checked.add(item.original.as_pointer())
         for text in unsupported_features(item, self._context):
             self._context.warn(f"object '{item.name}': {text}")
+
+
+def topmost_parent(item):
+    """Returns the name of an object's topmost parent, "" where it has none: its asset, to cryptomattes."""
+    name = ""
+    while item.parent is not None:
+        item = item.parent
+        name = item.name
+    return name
 
 
 def unsupported_features(item, context):

@@ -8,6 +8,7 @@
 #include "compiled/field.h"
 #include "compiled/media.h"
 #include "compiled/overlap.h"
+#include "compiled/passes.h"
 #include "compiled/volume_emission.h"
 #include "compiled/volume_programs.h"
 #include "compiled/vsp.h"
@@ -21,6 +22,7 @@ struct KernelTraits {
     bool programs = compiled::volume_programs;  ///< compute coefficients of media
     bool chromatic = compiled::chromatic;       ///< else extinction is the same in all channels
     bool learning = true;                       ///< paths keep what they teach, and may be guided
+    bool parts = compiled::passes;              ///< paths tell their light apart: film/sample_parts.h
 
     bool operator==(const KernelTraits&) const = default;
 };
@@ -30,6 +32,12 @@ inline constexpr KernelTraits kEverything{};
 
 constexpr KernelTraits with_learning(KernelTraits k) {
     k.learning = compiled::vsp || compiled::field || compiled::adaptive_sampling;
+    return k;
+}
+
+/// For code that knows nothing of parts: there shall be one of it, not two.
+constexpr KernelTraits without_parts(KernelTraits k) {
+    k.parts = false;
     return k;
 }
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "bindings/attributes.h"
+#include "film/matte.h"
 
 namespace nephele::bindings {
 
@@ -66,6 +67,9 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.random = value<float>(i, "random");
     out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
+    const std::string asset = text(i, "asset");
+    out.object_matte = matte_id(out.name);
+    out.asset_matte = asset.empty() ? out.object_matte : matte_id(asset);
     out.properties = list<std::array<float, 4>>(
         i, "properties", [](nb::handle rgba) { return four(nb::borrow<nb::object>(rgba)); });
     out.dielectric_priority = value<int>(i, "dielectric_priority");
@@ -206,7 +210,10 @@ SceneSource scene_source_of(nb::handle scene) {
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
-        return Material{text(m, "name"), program_of(m.attr("surface")), volume_closures_of(m)};
+        std::string name = text(m, "name");
+        const std::uint32_t matte = matte_id(name);
+        return Material{std::move(name), program_of(m.attr("surface")), volume_closures_of(m),
+                        value<float>(m, "pass_index"), matte};
     });
     out.instances = list<Instance>(scene, "instances", [&](nb::handle i) {
         return instance(i, out.meshes.size(), out.materials.size(), out.origin);

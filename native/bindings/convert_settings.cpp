@@ -16,7 +16,7 @@ PassId pass_of(std::string_view name) {
 namespace {
 
 FilmSource film(nb::handle film) {
-    using Falloff = FilmSource::MistFalloff;
+    using Falloff = Mist::Falloff;
     FilmSource out;
     out.width = value<int>(film, "width");
     out.height = value<int>(film, "height");
@@ -32,12 +32,13 @@ FilmSource film(nb::handle film) {
     for (nb::handle pass : nb::borrow<nb::object>(film.attr("passes")))
         out.passes.push_back(pass_of(nb::cast<std::string>(pass)));
     const nb::object mist = film.attr("mist");
-    out.mist_start = nb::cast<float>(mist[0]);
-    out.mist_depth = nb::cast<float>(mist[1]);
+    out.mist.start = nb::cast<float>(mist[0]);
+    out.mist.depth = nb::cast<float>(mist[1]);
     const auto falloff = nb::cast<std::string>(mist[2]);
-    out.mist_falloff = falloff == "linear"      ? Falloff::linear
+    out.mist.falloff = falloff == "linear"      ? Falloff::linear
                        : falloff == "quadratic" ? Falloff::quadratic
                                                 : Falloff::inverse_quadratic;
+    out.opaque_alpha = value<float>(film, "opaque_alpha");
     return out;
 }
 

@@ -201,6 +201,9 @@ class Renderer {
 
 void bind_renderer(nb::module_& m) {
     m.def(
+        "matte_hash", [](const std::string& name) { return matte_hash(name); }, nb::arg("name"),
+        "MurmurHash3_32 of a name, as cryptomatte manifests have it.");
+    m.def(
         "scene_features",
         [](nb::handle description) {
             const Settings settings = settings_of(description);

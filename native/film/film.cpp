@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "compiled/adaptive_sampling.h"
@@ -21,7 +22,66 @@ constexpr std::size_t at(PassId pass) {
 /// Passes that describe the first sample alone: an average over a silhouette would be a depth where nothing
 /// is.
 constexpr bool first_sample_only(PassId pass) {
-    return pass == PassId::depth || pass == PassId::mist;
+    return pass == PassId::depth || pass == PassId::position || pass == PassId::object_index ||
+           pass == PassId::material_index;
+}
+
+/// Light of a SampleParts that a pass holds; a colour divides it in the end, so that the product is the light.
+struct LightPass {
+    PassId pass;
+    Rgb (SampleParts::*parts)[4];
+    SampleParts::Event event;
+    PassId color;  // the pass itself: none
+};
+constexpr LightPass kLightPasses[] = {
+    {PassId::diffuse_direct, &SampleParts::direct, SampleParts::diffuse, PassId::diffuse_color},
+    {PassId::diffuse_indirect, &SampleParts::indirect, SampleParts::diffuse, PassId::diffuse_color},
+    {PassId::glossy_direct, &SampleParts::direct, SampleParts::glossy, PassId::glossy_color},
+    {PassId::glossy_indirect, &SampleParts::indirect, SampleParts::glossy, PassId::glossy_color},
+    {PassId::transmission_direct, &SampleParts::direct, SampleParts::transmission, PassId::transmission_color},
+    {PassId::transmission_indirect, &SampleParts::indirect, SampleParts::transmission,
+     PassId::transmission_color},
+    {PassId::volume_direct, &SampleParts::direct, SampleParts::volume, PassId::volume_direct},
+    {PassId::volume_indirect, &SampleParts::indirect, SampleParts::volume, PassId::volume_indirect},
+};
+constexpr std::pair<PassId, SampleParts::Event> kColorPasses[] = {
+    {PassId::diffuse_color, SampleParts::diffuse},
+    {PassId::glossy_color, SampleParts::glossy},
+    {PassId::transmission_color, SampleParts::transmission},
+};
+
+/// The pass that `pass` is divided by; itself where it is not.
+constexpr PassId color_of(PassId pass) {
+    for (const LightPass& row : kLightPasses) {
+        if (row.pass == pass)
+            return row.color;
+    }
+    return pass;
+}
+
+/// First passes of the three kinds of names, by kind.
+constexpr PassId kMattePasses[] = {PassId::cryptoobject00, PassId::cryptomaterial00, PassId::cryptoasset00};
+constexpr int kMatteLevels = 8;
+constexpr const char* kMatteNames[] = {"mattes of objects", "mattes of materials", "mattes of assets"};
+
+/// (kind, level) of a cryptomatte pass.
+constexpr std::optional<std::pair<std::size_t, int>> matte_of(PassId pass) {
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+        const int level = static_cast<int>(pass) - static_cast<int>(kMattePasses[kind]);
+        if (level >= 0 && level < kMatteLevels)
+            return std::pair(kind, level);
+    }
+    return std::nullopt;
+}
+
+constexpr bool is_of_parts(PassId pass) {
+    const auto holds = [&](const auto& rows, const auto& pass_of) {
+        return std::any_of(std::begin(rows), std::end(rows), [&](const auto& r) { return pass_of(r) == pass; });
+    };
+    return holds(kLightPasses, [](const LightPass& r) { return r.pass; }) ||
+           holds(kColorPasses, [](const auto& r) { return r.first; }) || pass == PassId::environment ||
+           pass == PassId::denoising_albedo || pass == PassId::denoising_normal ||
+           pass == PassId::denoising_depth || matte_of(pass);
 }
 
 /// The pass whose variance `pass` is; `pass` itself where it is no variance.
@@ -92,10 +152,27 @@ Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds need
 void Film::keep(PassId pass) {
     if (pass == PassId::sample_count || (!compiled::passes && pass != PassId::combined))
         return;
+    if (pass == PassId::noisy_image)
+        return keep(PassId::combined);
     others_ |= pass != PassId::combined;
+    parts_ |= is_of_parts(pass);
+    if (const auto matte = matte_of(pass)) {
+        if (!mattes_[matte->first])
+            mattes_[matte->first] = std::make_unique<MatteFilm>(width_, height_);
+        return;
+    }
+    if (!sums_of(pass).empty())
+        return;
     allocate(pass, is_variance(pass) ? 3 : kPasses[at(pass)].channels);
-    if (const PassId mean = variance_of(pass); sums_of(mean).empty())
-        allocate(mean, kPasses[at(mean)].channels);
+    for (const PassId other : {variance_of(pass), color_of(pass)}) {
+        if (sums_of(other).empty())
+            allocate(other, kPasses[at(other)].channels);
+    }
+}
+
+const MatteFilm* Film::mattes_of(PassId pass) const {
+    const auto matte = matte_of(pass);
+    return matte ? mattes_[matte->first].get() : nullptr;
 }
 
 void Film::allocate(PassId pass, int channels) {
@@ -111,7 +188,8 @@ void Film::add_to(PassId pass, std::size_t pixel, const float* values, int chann
         increase(out[c], weight * static_cast<double>(values[c]));
 }
 
-void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight) {
+void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight,
+               const SampleParts* parts) {
     const std::size_t pixel = index(x, y);
     const double w = weight;
     const Rgb light = sample.volume * exposure + sample.surface * exposure;
@@ -119,6 +197,8 @@ void Film::add(int x, int y, const PixelSample& sample, float exposure, std::uin
     add_to(PassId::combined, pixel, combined, 4, w);
     if (compiled::passes && others_)
         add_others(pixel, sample, exposure, w);
+    if (compiled::passes && parts_ && parts)
+        add_parts(x, y, pixel, *parts, exposure, w);
     increase(counts_[pixel], weight);
     if (compiled::adaptive_sampling && !taken_.empty()) {
         increase(taken_[pixel], 1u);
@@ -142,13 +222,39 @@ void Film::add_others(std::size_t pixel, const PixelSample& sample, float exposu
     add_to(PassId::vsp_achieved, pixel, &sample.vsp_achieved, 1, w);
     add_to(PassId::majorant_optical_depth, pixel, &sample.majorant_depth, 1, w);
     add_to(PassId::cost, pixel, &sample.cost, 1, w);
+    add_to(PassId::mist, pixel, &sample.mist, 1, w);
+    add_to(PassId::uv, pixel, &sample.uv.x, 3, w);
     if (counts_[pixel] == 0) {
         add_to(PassId::depth, pixel, &sample.depth, 1, 1);
-        add_to(PassId::mist, pixel, &sample.mist, 1, 1);
+        add_to(PassId::position, pixel, &sample.position.x, 3, 1);
+        add_to(PassId::object_index, pixel, &sample.object_index, 1, 1);
+        add_to(PassId::material_index, pixel, &sample.material_index, 1, 1);
     }
     add_squares(PassId::variance, pixel, light, w);
     add_squares(PassId::volume_variance, pixel, volume, w);
     add_squares(PassId::surface_variance, pixel, surface, w);
+}
+
+/// Adds to the passes that are made of SampleParts.
+void Film::add_parts(int x, int y, std::size_t pixel, const SampleParts& parts, float exposure, double w) {
+    for (const LightPass& row : kLightPasses) {
+        const Rgb light = (parts.*row.parts)[row.event] * exposure;
+        add_to(row.pass, pixel, &light.x, 3, w);
+    }
+    for (const auto& [pass, event] : kColorPasses)
+        add_to(pass, pixel, &parts.color[event].x, 3, w);
+    const Rgb environment = parts.environment * exposure;
+    add_to(PassId::environment, pixel, &environment.x, 3, w);
+    add_to(PassId::denoising_albedo, pixel, &parts.feature_albedo.x, 3, w);
+    add_to(PassId::denoising_normal, pixel, &parts.feature_normal.x, 3, w);
+    add_to(PassId::denoising_depth, pixel, &parts.feature_depth, 1, w);
+    for (const Matte& matte : parts.mattes) {
+        const std::uint32_t ids[] = {matte.object, matte.material, matte.asset};
+        for (std::size_t kind = 0; kind < 3; ++kind) {
+            if (mattes_[kind])
+                mattes_[kind]->add(x, y, ids[kind], w * double{matte.weight});
+        }
+    }
 }
 
 void Film::add_squares(PassId pass, std::size_t pixel, Rgb light, double weight) {
@@ -217,14 +323,23 @@ std::vector<float> Film::read(PassId pass) const {
     }
     if (is_variance(pass))
         return variance(pass);
+    if (pass == PassId::noisy_image)
+        pass = PassId::combined;  // which others denoise
+    if (const auto matte = matte_of(pass)) {
+        std::vector<std::uint32_t> counts(counts_.size());
+        std::transform(counts_.begin(), counts_.end(), counts.begin(), seen<std::uint32_t>);
+        return mattes_[matte->first]->read(matte->second, counts);
+    }
     const auto channels = static_cast<std::size_t>(info.channels);
     const ZeroedVector<double>& sums = sums_of(pass);
+    const ZeroedVector<double>* colors = color_of(pass) == pass ? nullptr : &sums_of(color_of(pass));
     std::vector<float> out(sums.size());
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         const std::uint32_t count = seen(counts_[i]);
-        const double n = first_sample_only(pass) ? std::min(count, 1u) : count;
         for (std::size_t c = 0; c < channels; ++c) {
-            out[channels * i + c] = n > 0 ? static_cast<float>(seen(sums[channels * i + c]) / n) : 0.0f;
+            const std::size_t at = channels * i + c;
+            const double n = colors ? seen((*colors)[at]) : first_sample_only(pass) ? std::min(count, 1u) : count;
+            out[at] = n > 0 ? static_cast<float>(seen(sums[at]) / n) : 0.0f;
         }
     }
     return out;
@@ -234,6 +349,8 @@ std::size_t Film::bytes() const {
     std::size_t bytes = (counts_.size() + taken_.size()) * sizeof(std::uint32_t);
     for (const auto& sums : sums_)
         bytes += sums.size() * sizeof(double);
+    for (const auto& mattes : mattes_)
+        bytes += mattes ? mattes->bytes() : 0;
     return bytes + squared_weights_.size() * sizeof(double);
 }
 
@@ -248,6 +365,11 @@ std::map<std::string, std::vector<double>> Film::save() const {
         if (!sums_[p].empty())
             saved[kPasses[p].identifier].assign(sums_[p].begin(), sums_[p].end());
     }
+    for (std::size_t kind = 0; kind < mattes_.size(); ++kind) {
+        const std::string name = kMatteNames[kind];
+        if (mattes_[kind])
+            mattes_[kind]->save(saved[name], saved[name + ", ids"], saved[name + ", weights"]);
+    }
     return saved;
 }
 
@@ -255,7 +377,8 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
     const auto mine = save();
     for (const auto& [name, values] : mine) {
         const auto found = saved.find(name);
-        if (found == saved.end() || found->second.size() != values.size()) {
+        const bool of_any_size = name.starts_with("mattes of") && name.find(',') != std::string::npos;
+        if (found == saved.end() || (found->second.size() != values.size() && !of_any_size)) {
             throw std::invalid_argument(
                 "the checkpoint does not fit this render (pass '" + name +
                 "' is missing or of another size); render with the settings it was made with");
@@ -265,6 +388,11 @@ void Film::restore(const std::map<std::string, std::vector<double>>& saved) {
     if (!taken_.empty()) {
         taken = whole_numbers(saved, "samples_taken");
         squared_weights_ = saved.at("squared_weights");
+    }
+    for (std::size_t kind = 0; kind < mattes_.size(); ++kind) {
+        const std::string name = kMatteNames[kind];
+        if (mattes_[kind])
+            mattes_[kind]->restore(saved.at(name), saved.at(name + ", ids"), saved.at(name + ", weights"));
     }
     counts_ = std::move(counts);
     taken_ = std::move(taken);

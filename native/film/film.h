@@ -5,12 +5,15 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/vsp_record.h"
 #include "base/zeroed.h"
+#include "film/matte.h"
+#include "film/sample_parts.h"
 #include "math/vec.h"
 #include "passes_table.h"
 
@@ -22,7 +25,9 @@ struct PixelSample {
     Rgb emission;
     Rgb transmittance{1};
     Rgb albedo, volume_albedo;
-    Vec3f normal;
+    Vec3f normal, position;  ///< world space
+    Vec3f uv;                ///< u, v, 1
+    float object_index = 0, material_index = 0;
     float alpha = 1;
     float depth = 1e10f;
     float mist = 1;
@@ -51,8 +56,11 @@ class Film {
     bool has(PassId pass) const { return asked_[static_cast<std::size_t>(pass)]; }
 
     /// Adds a sample to pixel (x, y), scaled by `exposure` where it is light. weight: of how many samples it
-    /// takes the place.
-    void add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight = 1);
+    /// takes the place. parts: of the same sample, where has_parts().
+    void add(int x, int y, const PixelSample& sample, float exposure, std::uint32_t weight = 1,
+             const SampleParts* parts = nullptr);
+    /// Whether any pass is made of SampleParts.
+    bool has_parts() const { return parts_; }
     /// Samples that those of the pixel stand for.
     std::uint32_t count(int x, int y) const { return counts_[index(x, y)]; }
 
@@ -83,6 +91,9 @@ class Film {
     void allocate(PassId pass, int channels);
     void add_others(std::size_t pixel, const PixelSample& sample, float exposure, double weight);
     void add_to(PassId pass, std::size_t pixel, const float* values, int channels, double weight);
+    void add_parts(int x, int y, std::size_t pixel, const SampleParts& parts, float exposure, double weight);
+    /// Coverage by names of this pass's kind; null where it is no cryptomatte pass.
+    const MatteFilm* mattes_of(PassId pass) const;
     void add_squares(PassId pass, std::size_t pixel, Rgb light, double weight);
     /// Variance of the pixel's mean, of a channel of the pass whose squares `pass` keeps; 0 below two
     /// samples.
@@ -92,6 +103,8 @@ class Film {
     int width_, height_;
     std::array<bool, kPassCount> asked_{};
     bool others_ = false;  // whether anything but Combined is kept
+    bool parts_ = false;
+    std::array<std::unique_ptr<MatteFilm>, 3> mattes_;  // by kind of name: objects, materials, assets
     std::vector<std::uint32_t> counts_;
     // Where samples may stand for several: how many there are, and the sum of their squared weights.
     std::vector<std::uint32_t> taken_;

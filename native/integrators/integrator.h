@@ -7,6 +7,7 @@
 #include "base/field_sample.h"
 #include "base/kernel_traits.h"
 #include "film/film.h"
+#include "film/mist.h"
 #include "guiding/field.h"
 #include "guiding/techniques.h"
 #include "scene/scene.h"
@@ -25,6 +26,7 @@ struct Workspace {
     std::vector<FieldSample> lessons;  ///< what paths taught the field
     Trial trial{};
     Counters counters;
+    SampleParts parts;  ///< of the last sample, where it was asked for
     std::uint64_t nonfinite_samples = 0;
 
     Workspace();
@@ -35,7 +37,10 @@ struct Workspace {
 struct SampleRequest {
     bool transmittance = false;
     bool majorant_depth = false;
-    bool features = false;  ///< depth, normal, albedo, mist
+    bool features = false;    ///< depth, normal, albedo and the like of the first surface
+    bool parts = false;       ///< SampleParts
+    float opaque_alpha = 0.5f;  ///< a surface of less is not the first one
+    const Mist* mist = nullptr;
     bool transparent_film = false;
     const VspGuide* guide = nullptr;      ///< of the pixel; none: camera rays are not guided
     const GuidingField* field = nullptr;  ///< of all later segments; none: they are not guided
@@ -61,6 +66,8 @@ struct Kernel {
 };
 
 /// The kernel for these settings and what the scene holds. learning: whether samples teach, or are guided.
-Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning = true);
+/// parts: whether passes ask for SampleParts.
+Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning = true,
+                     bool parts = false);
 
 }  // namespace nephele

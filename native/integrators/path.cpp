@@ -23,6 +23,8 @@ class Path : private PathLight<k> {
     using Base::Base;
 
     PixelSample trace() {
+        if constexpr (k.parts)
+            ws_.parts.clear();
         if constexpr (k.learning) {
             std::optional<VspGuide> guide;
             if (request_.guide)
@@ -40,7 +42,9 @@ class Path : private PathLight<k> {
     }
 
   private:
-    using Base::add_surface_emission, Base::add_volume_emission, Base::escape, Base::guide_at,
+    static constexpr KernelTraits kTracking = without_parts(k);
+    using Base::add_surface_emission, Base::add_volume_emission, Base::escape, Base::see_surface,
+        Base::see_volume, Base::shares_, Base::guide_at,
         Base::guide_in_volume, Base::kMostSurfaceWeight, Base::light, Base::light_surface, Base::light_volume,
         Base::nearest_lamp, Base::out_, Base::pass_lamp, Base::record_, Base::region_at, Base::request_,
         Base::sampler_, Base::scene_, Base::settings_, Base::shading, Base::walk_, Base::ws_;
@@ -78,7 +82,7 @@ class Path : private PathLight<k> {
             scene_.find_media(walk_.ray.part(walk_.ray.t_min, std::min(end, lamp.distance)), walk_.kind,
                               ws_.segment);
             if (request_.features && walk_.first == First::none && hit.valid())
-                record_surface(scene_, shading(hit), out_, recorded_);
+                record_surface(scene_, request_, shading(hit), walk_.clear, out_, recorded_);
             if (!ws_.segment.empty()) {
                 const Flight flight = fly(end);
                 add_volume_emission(flight.emitted);
@@ -99,17 +103,17 @@ class Path : private PathLight<k> {
     Flight fly(float distance) {
         OpenSegment* segment = record_.current();
         if (!segment)
-            return sample_flight<k>(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
+            return sample_flight<kTracking>(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
                                     ws_.counters);
         SegmentGuiding& guiding = segment->guiding;
         if (!guiding.active())
-            return guiding.template plain_flight<k>(walk_.beta, distance, sampler_, ws_);
+            return guiding.template plain_flight<kTracking>(walk_.beta, distance, sampler_, ws_);
         if (!guiding.resamples())
             return guiding.normalized_flight(walk_.beta, distance, sampler_, ws_);
         if (!guiding.walks(sampler_.rng()))
-            return guiding.template plain_flight<k>(walk_.beta, distance, sampler_, ws_);
+            return guiding.template plain_flight<kTracking>(walk_.beta, distance, sampler_, ws_);
         const Stream stream =
-            guiding.template walk<k>(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
+            guiding.template walk<kTracking>(scene_, walk_.beta, walk_.kind == kCameraRay, sampler_, ws_);
         const float p = guiding.probability(stream);
         segment->gathered = Rgb(0);
         const bool gathers = !exhausted_in_volumes() && guiding.gathers(p);
@@ -148,6 +152,8 @@ class Path : private PathLight<k> {
             walk_.first = First::volume;
             out_.volume_albedo = flight.albedo;
         }
+        if constexpr (k.parts)
+            see_volume(flight.t);
         if (exhausted_in_volumes())
             return false;
         const FieldRegion* region = region_at(p, FieldPart::volume);
@@ -188,7 +194,9 @@ class Path : private PathLight<k> {
     bool meet_surface(const ShadingPoint& point) {
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
         if (!k.media && request_.features && walk_.first == First::none)
-            record_surface(scene_, point, out_, recorded_);
+            record_surface(scene_, request_, point, walk_.clear, out_, recorded_);
+        if constexpr (k.parts)
+            see_surface(point, bsdf);
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
         const bool exhausted =
@@ -217,14 +225,18 @@ class Path : private PathLight<k> {
             const float step = length(o - walk_.ray.o);
             walk_.way.advance(step);
             ++walk_.history.transparent;
+            walk_.clear *= mean(sample->weight);
             walk_.ray = {o, walk_.ray.d, 0, walk_.ray.t_max - step, walk_.ray.time};
             return true;
         }
         if (exhausted)
             return false;
         record_.arrive(walk_.way.travelled() + length(point.p - walk_.ray.o));
-        if (walk_.first == First::none)
+        if (walk_.first == First::none) {
             walk_.first = First::surface;
+            if constexpr (k.parts)
+                shares_ = bsdf.shares(point.wo, *sample);
+        }
         ++walk_.surface_bounces;
         const auto from = scene_.departure(point, sample->wi, sample->crosses);
         Densities densities = drawn_;
@@ -272,6 +284,7 @@ class Path : private PathLight<k> {
         if (!expected)
             return 1;
         walk_.beta /= *expected;
+        walk_.clear /= *expected;
         return static_cast<int>(*expected + sampler_.rng().next());
     }
 
@@ -356,11 +369,19 @@ constexpr KernelTraits kSurfaces{.media = false,
                                  .emission = false,
                                  .programs = false,
                                  .chromatic = false,
-                                 .learning = false};
+                                 .learning = false,
+                                 .parts = false};
 constexpr KernelTraits media_traits(bool overlap, bool emission) {
     return {.overlap = overlap && compiled::overlap,
             .emission = emission && compiled::volume_emission,
-            .learning = false};
+            .learning = false,
+            .parts = false};
+}
+/// Passes that tell light apart cost more than learning that is not asked for: these kernels always can learn.
+constexpr KernelTraits with_parts(KernelTraits k) {
+    k = with_learning(k);
+    k.parts = compiled::passes;
+    return k;
 }
 
 template <KernelTraits k>
@@ -371,9 +392,13 @@ Kernel kernel(bool learning) {
 
 }  // namespace
 
-Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning) {
+Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bool learning, bool parts) {
     if (settings.integrator == Settings::Integrator::plain)
         return {sample_plain, std::nullopt};
+    if (parts) {
+        constexpr KernelTraits kWithoutMedia = with_parts(kSurfaces), kAll = with_parts(media_traits(true, true));
+        return features.media ? Kernel{sample_path<kAll>, kAll} : Kernel{sample_path<kWithoutMedia>, kWithoutMedia};
+    }
     if (!features.media)
         return kernel<kSurfaces>(learning);
     if (features.overlap)
@@ -394,6 +419,7 @@ std::vector<std::string> Kernel::list() const {
     add(traits->media, traits->overlap ? "overlapping media" : "one medium");
     add(traits->media && traits->emission, "volume emission");
     add(traits->learning, "learning");
+    add(traits->parts, "parts of light");
     return names;
 }
 

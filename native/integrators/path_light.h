@@ -43,7 +43,7 @@ class PathLight {
     }
 
     bool pass_lamp(const LampHit& lamp) {
-        add(walk_.beta * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }));
+        add(walk_.beta * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }), From::met);
         walk_.way.pass(lamp);
         walk_.ray.t_min = std::max(lamp.distance, walk_.ray.t_min);
         return true;
@@ -60,7 +60,9 @@ class PathLight {
             return false;
         const std::uint32_t number = scene_.lights().world_number();
         const auto pdf = [&] { return scene_.lights().world()->pdf(walk_.ray.d); };
-        add(walk_.beta * Le * mis_weight(number, pdf));
+        add(walk_.beta * Le * mis_weight(number, pdf), From::background);
+        if constexpr (k.parts)
+            see_light(Le);
         return false;
     }
 
@@ -71,7 +73,7 @@ class PathLight {
         const auto meet = [&](std::uint32_t number, const LightHit& hit) {
             if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number), walk_.kind, walk_.bounces))
                 return;
-            add(walk_.beta * hit.Le * mis_weight(number, [&] { return hit.pdf; }));
+            add(walk_.beta * hit.Le * mis_weight(number, [&] { return hit.pdf; }), From::met);
         };
         scene_.lights().for_each_lamp_hit({walk_.ray.o, walk_.ray.d}, meet);
     }
@@ -134,19 +136,22 @@ class PathLight {
         if (is_zero(f))
             return;
         const First before = walk_.first;
-        if (walk_.first == First::none)
+        if (walk_.first == First::none) {
             walk_.first = First::surface;
+            if constexpr (k.parts)
+                shares_ = bsdf.shares(point.wo, BsdfSample{direct->light.wi, Rgb(0)});
+        }
         add_direct(*direct, scene_.departure(point, direct->light.wi, crosses).o, f,
                    guide.mixed(pdf, direct->light.wi));
         walk_.first = before;
     }
 
     void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
-        const Rgb T = shadow_transmittance<k>(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
+        const Rgb T = shadow_transmittance<without_parts(k)>(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
         if (is_zero(T))
             return;
         const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
-        add(walk_.beta * f * T * direct.light.Li * (weight / direct.light.pdf));
+        add(walk_.beta * f * T * direct.light.Li * (weight / direct.light.pdf), From::sampled);
     }
 
     void add_surface_emission(const ShadingPoint& point, Rgb Le) {
@@ -157,22 +162,90 @@ class PathLight {
                 return scene_.lights().mesh(number).pdf(point.triangle, walk_.way.vertex(), point.p);
             });
         }
-        add(walk_.beta * Le * weight);
-        if (walk_.bounces == 0)
-            out_.emission += walk_.beta * Le;
+        add(walk_.beta * Le * weight, From::met);
     }
 
     void add_volume_emission(Rgb emitted) {
         if (is_zero(emitted))
             return;
         (walk_.first == First::surface ? out_.surface : out_.volume) += emitted;
+        if constexpr (k.parts) {
+            tell_apart(emitted, From::met);
+            if (!walk_.featured)
+                ws_.parts.feature_albedo += min(emitted, Rgb(1));
+        }
         if (OpenSegment* segment = record_.current())
             segment->undecided += emitted;
         if (walk_.bounces == 0)
             out_.emission += emitted;
     }
 
-    void add(Rgb light) { (walk_.first == First::volume ? out_.volume : out_.surface) += light; }
+    /// How light was found: by sampling a light, or by meeting something that shines.
+    enum class From { sampled, met, background };
+    void add(Rgb light, From from) {
+        (walk_.first == First::volume ? out_.volume : out_.surface) += light;
+        if (walk_.bounces == 0 && from == From::met)
+            out_.emission += light;
+        if constexpr (k.parts)
+            tell_apart(light, from);
+    }
+
+    // --- What passes ask for beside the radiance: SampleParts
+
+    void tell_apart(Rgb light, From from) {
+        SampleParts& parts = ws_.parts;
+        if (walk_.first == First::none) {
+            if (from == From::background)
+                parts.environment += light;
+            return;
+        }
+        Rgb(&sums)[4] = walk_.bounces == (from == From::sampled ? 0 : 1) ? parts.direct : parts.indirect;
+        if (walk_.first == First::volume) {
+            sums[SampleParts::volume] += light;
+            return;
+        }
+        sums[SampleParts::diffuse] += light * shares_.diffuse;
+        sums[SampleParts::glossy] += light * shares_.glossy;
+        sums[SampleParts::transmission] += light * shares_.transmission;
+    }
+
+    /// Colours, mattes and features where a path meets a surface.
+    void see_surface(const ShadingPoint& point, const Bsdf& bsdf) {
+        SampleParts& parts = ws_.parts;
+        if (walk_.first == First::none) {
+            const LobeShares colors = bsdf.colors(point.wo);
+            parts.color[SampleParts::diffuse] += walk_.beta * colors.diffuse;
+            parts.color[SampleParts::glossy] += walk_.beta * colors.glossy;
+            parts.color[SampleParts::transmission] += walk_.beta * colors.transmission;
+            const float covered = mean(walk_.beta * (Rgb(1) - min(bsdf.transparency, Rgb(1))));
+            if (covered > 0)
+                parts.mattes.push_back(scene_.matte(point, covered));
+        }
+        constexpr float kMostlyTransparent = 0.75f;
+        if (!is_zero(bsdf.emission))
+            see_light(bsdf.emission);
+        if (walk_.featured || !bsdf.has_smooth() || mean(bsdf.transparency) > kMostlyTransparent)
+            return;  // behind glass and mirrors the features are those of what is seen there
+        see(bsdf.albedo(point.wo), point.ns, walk_.way.travelled() + length(point.p - walk_.ray.o));
+    }
+    /// The features of a point in a volume: the path's throughput holds the albedo already. It has no normal.
+    void see_volume(float t) {
+        if (!walk_.featured)
+            see(Rgb(1), Vec3f(0), walk_.way.travelled() + t);
+    }
+    /// Emitters are told apart by their light.
+    void see_light(Rgb Le) {
+        if (!walk_.featured)
+            ws_.parts.feature_albedo += walk_.beta * min(Le, Rgb(1));
+    }
+    void see(Rgb albedo, Vec3f n, float distance) {
+        const float seen = mean(walk_.beta);
+        ws_.parts.feature_albedo += walk_.beta * albedo;
+        ws_.parts.feature_normal += seen * scene_.camera().to_camera_vector(n);
+        ws_.parts.feature_depth += seen * distance;
+        walk_.featured = true;
+    }
+
     Rgb light() const { return out_.volume + out_.surface; }
 
     const Scene& scene_;
@@ -184,6 +257,7 @@ class PathLight {
 
     Walk walk_;
     PixelSample out_;
+    LobeShares shares_;  // of the light that the path brings, where its first event was on a surface
 };
 
 }  // namespace nephele

@@ -21,6 +21,8 @@ struct Walk {
     float previous_pdf = 0;
     float guided_weight = 1;        ///< what drawing directions by the field has made of beta so far
     bool previous_specular = true;  ///< the camera: nothing else could have found what it sees
+    float clear = 1;                ///< of camera rays: what transparent surfaces on the way let through
+    bool featured = false;          ///< the features of SampleParts are complete
     bool lit = false;               ///< direct light was taken where the path scatters
     bool weighed = false;           ///< the last vertex ended and split branches by what they bring
 };

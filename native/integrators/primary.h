@@ -7,18 +7,36 @@
 
 namespace nephele {
 
-/// Distance along the view axis, surface normal and albedo of the first surface that is not wholly
-/// transparent.
-inline void record_surface(const Scene& scene, const ShadingPoint& point, PixelSample& out, bool& recorded) {
-    if (recorded)
+/// (u, v, 1) of the mesh's first UV map, which is its active one; 0 where it has none.
+inline Vec3f uv_of(const ShadingPoint& point) {
+    if (point.mesh->uvs.empty() || point.mesh->uvs[0].empty())
+        return {0, 0, 1};
+    const float* uv = point.mesh->uvs[0].data() + 6 * std::size_t{point.triangle};
+    const Vec3f& w = point.barycentric;
+    return {uv[0] * w.x + uv[2] * w.y + uv[4] * w.z, uv[1] * w.x + uv[3] * w.y + uv[5] * w.z, 1};
+}
+
+/// A surface that a camera ray meets: its share of the mist and, of the first that is opaque enough, depth and
+/// the like. clear: what transparent surfaces before it let through.
+inline void record_surface(const Scene& scene, const SampleRequest& request, const ShadingPoint& point,
+                           float clear, PixelSample& out, bool& recorded) {
+    if (recorded && !request.mist)
         return;
     const Bsdf bsdf = make_bsdf(scene.program_of(point), point, scene.textures());
-    if (min_component(bsdf.transparency) >= 1)
+    const float alpha = clamp01(1 - mean(bsdf.transparency));
+    const Vec3f seen = scene.camera().to_camera(point.p);
+    if (request.mist)
+        out.mist -= (1 - request.mist->at(scene.camera().perspective() ? length(seen) : seen.z)) * alpha * clear;
+    if (recorded || alpha == 0 || alpha < request.opaque_alpha)
         return;
     recorded = true;
-    out.depth = scene.camera().to_camera(point.p).z;
+    out.depth = seen.z;
+    out.position = point.p + scene.textures().origin;
     out.normal = point.ns;
     out.albedo = bsdf.albedo(point.wo);
+    out.uv = uv_of(point);
+    out.object_index = point.instance->pass_index;
+    out.material_index = scene.material_index(point);
 }
 
 /// Integral of the majorants of all media along the segment, at most kMostMajorantDepth: media without end

@@ -144,6 +144,11 @@ Vec3f Camera::to_camera(Vec3f world_point) const {
     return {v.x, v.y, -v.z};
 }
 
+Vec3f Camera::to_camera_vector(Vec3f world_vector) const {
+    const Vec3f v = world_from_camera_.transposed_vector(world_vector);
+    return {v.x, v.y, -v.z};
+}
+
 Vec2f Camera::project(Vec3f world_point, Vec2f film_size) const {
     const Vec3f v = to_camera(world_point);
     const float scale = perspective() ? 1 / v.z : 1;

@@ -48,6 +48,8 @@ class Camera {
     Vec3f forward() const { return -world_from_camera_.column(2); }
     /// World to camera space with z forward (Blender's Camera coordinates and Depth are measured in it).
     Vec3f to_camera(Vec3f world_point) const;
+    /// The same of a vector.
+    Vec3f to_camera_vector(Vec3f world_vector) const;
     /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give
     /// nonsense.
     Vec2f project(Vec3f world_point, Vec2f film_size) const;

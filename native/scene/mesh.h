@@ -82,6 +82,7 @@ struct Instance {
     float random = 0;
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
+    std::uint32_t object_matte = 0, asset_matte = 0;  ///< ids, see film/matte.h
     std::vector<std::array<float, 4>> properties;  ///< RGBA, numbered as attributes of objects are
     int dielectric_priority = 0;                   ///< see scene/nesting.h; 0: takes no part
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "film/sample_parts.h"
 #include "grids/vdb_file.h"
 #include "lights/light_set.h"
 #include "media/medium.h"
@@ -38,6 +39,8 @@ struct Material {
     std::string name;
     std::optional<Program> surface;  ///< none: a pure volume boundary
     std::vector<VolumeClosure> volume;
+    float pass_index = 0;
+    std::uint32_t matte = 0;  ///< see film/matte.h
 };
 
 /// A VDB file placed in the world.
@@ -139,6 +142,9 @@ class Scene {
     /// Where a ray along wi leaves the surface at `point`, on wo's side or, where it `crosses`, on the other.
     Departure departure(const ShadingPoint& point, Vec3f wi, bool crosses) const;
     const Program* program_of(const ShadingPoint& point) const;
+    /// Pass index of the material at a point, and the ids of all that covers so much of a pixel there.
+    float material_index(const ShadingPoint& point) const;
+    Matte matte(const ShadingPoint& point, float weight) const;
     const TextureContext& textures() const { return textures_; }
     /// Radiance of the background seen in direction d by rays of this kind.
     Rgb background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history = {}) const;

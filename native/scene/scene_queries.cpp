@@ -2,6 +2,7 @@
 // Queries of the scene while rendering: nearest surface, shadow transmittance, media along a ray.
 #include <algorithm>
 
+#include "film/matte.h"
 #include "scene/nesting.h"
 #include "scene/reach.h"
 #include "scene/scene.h"
@@ -210,6 +211,18 @@ ShadingPoint Scene::shading_point(const Hit& hit, const Ray& ray, std::uint32_t 
 const Program* Scene::program_of(const ShadingPoint& point) const {
     const auto material = point.instance->material_of(*point.mesh, point.triangle);
     return material < 0 ? nullptr : &*source_.materials[static_cast<std::size_t>(material)].surface;
+}
+
+float Scene::material_index(const ShadingPoint& point) const {
+    const auto material = point.instance->material_of(*point.mesh, point.triangle);
+    return material < 0 ? 0 : source_.materials[static_cast<std::size_t>(material)].pass_index;
+}
+
+Matte Scene::matte(const ShadingPoint& point, float weight) const {
+    static const std::uint32_t kDefault = matte_id("default_surface");  // as Cycles calls it
+    const auto material = point.instance->material_of(*point.mesh, point.triangle);
+    return {point.instance->object_matte, point.instance->asset_matte,
+            material < 0 ? kDefault : source_.materials[static_cast<std::size_t>(material)].matte, weight};
 }
 
 Rgb Scene::background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history) const {

@@ -13,6 +13,11 @@
 
 namespace nephele {
 
+/// By class of lobe, per channel: see surfaces/bsdf_shares.cpp.
+struct LobeShares {
+    Rgb diffuse, glossy, transmission;
+};
+
 class Bsdf {
   public:
     explicit Bsdf(const ShadingPoint& point) : ng_(point.ng) {}
@@ -39,6 +44,11 @@ class Bsdf {
 
     /// Directional albedo (estimated for the rough lobes), without the straight-through share.
     Rgb albedo(Vec3f wo) const;
+
+    /// Of the light that the sample brings from its wi, the share of each class; they add up to 1 where there is any.
+    LobeShares shares(Vec3f wo, const BsdfSample& sample) const;
+    /// The albedo of each class.
+    LobeShares colors(Vec3f wo) const;
 
     /// Adds a lobe around the unit normal n. Building only; call finish() after the last.
     void add(const LobeModel& model, Rgb weight, Vec3f n);

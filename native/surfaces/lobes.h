@@ -124,7 +124,12 @@ struct Dielectric {
     std::uint32_t kind(Vec3f wi) const { return wi.z > 0 ? kGlossyRay : kTransmissionRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
-    Rgb albedo(Vec3f wo) const;
+    /// Shares reflected and transmitted.
+    std::pair<Rgb, Rgb> albedos(Vec3f wo) const;
+    Rgb albedo(Vec3f wo) const {
+        const auto [reflected, transmitted] = albedos(wo);
+        return reflected + transmitted;
+    }
 
   private:
     Rgb reflectance(float cosine) const;

@@ -149,22 +149,22 @@ std::optional<LobeSample> Dielectric::sample(Vec3f wo, float choice, Vec2f u) co
     return sample_of(wi, refraction_value(facets, eta, wo, wi, h), color, 1 - p, kTransmissionRay);
 }
 
-Rgb Dielectric::albedo(Vec3f wo) const {
+std::pair<Rgb, Rgb> Dielectric::albedos(Vec3f wo) const {
     if (specular()) {
         const Rgb F = reflectance(wo.z);
         const bool total = fresnel_dielectric(wo.z, eta) >= 1;
-        return reflection_tint * F + (total ? Rgb(0) : transmission_tint * (Rgb(1) - F));
+        return {reflection_tint * F, total ? Rgb(0) : transmission_tint * (Rgb(1) - F)};
     }
     const float roughness = facets.ggx_roughness();
     const auto [reflected, transmitted] = dielectric_albedo(wo.z, roughness, eta);
     const float white = reflection_albedo(wo.z, roughness);
     if (fresnel.kind == Fresnel::Kind::constant) {  // refraction only: no share is lost to reflection
-        return transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white));
+        return {Rgb(0), transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white))};
     }
     const Rgb back = curve_albedo(fresnel, reflected, white);
     const float range = range_from_ior(fresnel.eta);
     const Rgb through = (Rgb(1) - fresnel.f0) * (range > 0 ? std::min(transmitted / range, 1.0f) : 0);
-    return (reflection_tint * back + transmission_tint * through) * scale;
+    return {reflection_tint * back * scale, transmission_tint * through * scale};
 }
 
 }  // namespace nephele

@@ -61,7 +61,8 @@ def test_settings_survive_saving(bpy, tmp_path):
 def test_every_pass_has_one_toggle(bpy, row):
     layer = bpy.context.view_layer
     assert hasattr(layer, row.view_layer or properties.toggle_name(row)) == bool(row.view_layer)
-    assert hasattr(layer.nephele, properties.toggle_name(row)) != bool(row.view_layer)
+    assert hasattr(layer.nephele, properties.toggle_name(row)) != (bool(row.view_layer) or row.denoised)
+    assert not row.cycles or hasattr(layer.cycles, row.cycles)
     assert len(row.channels) in (1, 3, 4)  # Blender cannot store two
 
 

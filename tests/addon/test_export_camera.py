@@ -120,8 +120,8 @@ def test_film_properties(bpy, export):
 
 
 def test_passes_that_we_lack_are_named(bpy, export):
-    bpy.context.view_layer.use_pass_uv = True
-    assert any("pass Uv is not supported" in text for text in export().warnings)
+    bpy.context.view_layer.use_pass_ambient_occlusion = True
+    assert any("pass Ambient Occlusion is not supported" in text for text in export().warnings)
 
 
 @pytest.mark.parametrize(("ours", "mode", "expected"), [(0, "AUTO", 0), (0, "FIXED", 5), (3, "FIXED", 3)])

@@ -59,17 +59,17 @@ def test_f12_renders_the_bundled_cloud(bpy, scene, tmp_path):
 def test_every_pass_of_the_add_on_arrives(bpy, scene, tmp_path):
     scene("cloud")
     layer = bpy.context.view_layer
-    names = [row.name for row in engine.enabled_passes(layer)]
+    names = [row.name for row in engine.enabled_passes(layer, bpy.context.scene)]
     toggles = [p for p in layer.nephele.bl_rna.properties.keys() if p.startswith("use_pass_")]  # noqa: SIM118
     for toggle in toggles:
         setattr(layer.nephele, toggle, True)
     layer.use_pass_z = layer.use_pass_normal = layer.use_pass_mist = True
-    names = [row.name for row in engine.enabled_passes(layer)]
+    names = [row.name for row in engine.enabled_passes(layer, bpy.context.scene)]
     assert {"Volume", "Surface", "Transmittance", "Variance", "Sample Count", "Cost", "Depth", "Mist"} < set(
         names
     )
     channels = render(bpy, tmp_path / "passes.exr")
-    for row in engine.enabled_passes(layer):
+    for row in engine.enabled_passes(layer, bpy.context.scene):
         for channel in row.channels:
             assert f"ViewLayer.{row.name}.{channel}" in channels
     for c in "RGB":
