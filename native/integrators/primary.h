@@ -16,7 +16,7 @@ inline void record_surface(const Scene& scene, const ShadingPoint& point, PixelS
     if (min_component(bsdf.transparency) >= 1)
         return;
     recorded = true;
-    out.depth = scene.camera().to_camera(point.p).z;
+    out.depth = scene.camera().depth(point.p);
     out.normal = point.ns;
     out.albedo = bsdf.albedo(point.wo);
 }
