@@ -35,6 +35,8 @@ def steps_of(scene):
 
 def curves_source(data, scene):
     """Returns the Source of Blender's hair curves, evaluated."""
+    if len(data.curves) == 0:
+        return Source(tubes(np.zeros((0, 3)), np.zeros(0), np.zeros(1, int), 1), np.zeros((0, 3)), np.zeros(0))
     ends = read(data.curve_offset_data, "value", 1, np.int32)
     positions = read(data.attributes["position"].data, "vector", 3)
     radius = _radius(data, len(positions), DEFAULT_HAIR_RADIUS)

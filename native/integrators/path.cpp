@@ -195,7 +195,7 @@ class Path : private PathLight<k> {
 
     bool meet_surface(const ShadingPoint& point) {
         if (walk_.kind == kCameraRay && point.instance->holdout) {
-            out_.alpha = 1 - mean(walk_.beta);
+            out_.alpha = std::max(0.0f, 1 - mean(walk_.beta));
             return false;
         }
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());

@@ -190,17 +190,17 @@ def linear_falloff(bpy):
     tree.links.new(node.outputs["Linear"], emission.inputs["Strength"])
 
 
-PROFILE = """IESNA:LM-63-2002
-[TEST] a narrow beam, twice as wide one way as the other
-TILT=NONE
-1 -1 2.0 10 3 1 2 0 0 0
-1 1 0
-0 10 20 30 40 50 60 75 90 180
-0 45 90
-100 95 80 50 20 10 5 2 0 0
-100 96 85 65 40 20 10 4 0 0
-100 97 90 80 60 40 20 8 0 0
-"""
+# A beam of another width on every side. Cycles takes the value at 0 degrees for that at 315 where it smooths
+# between 0 and 45; here they are the same.
+BEAM = (100, 96, 85, 65, 40, 20, 10, 4, 0, 0)
+WIDTHS = (1.0, 0.9, 0.6, 0.5, 0.5, 0.7, 0.9, 1.0, 1.0)
+PROFILE = "\n".join(
+    (
+        "IESNA:LM-63-2002", "TILT=NONE", "1 -1 2.0 10 9 1 2 0 0 0", "1 1 0", "0 10 20 30 40 50 60 75 90 180",
+        " ".join(str(45 * n) for n in range(9)),
+        *(" ".join(str(100 + w * (c - 100) if n == 0 else w * c) for n, c in enumerate(BEAM)) for w in WIDTHS),
+    )
+)  # fmt: skip
 
 
 def measured(bpy, item, wide):

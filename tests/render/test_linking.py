@@ -40,7 +40,7 @@ def test_lights_of_each_set_add_up_to_the_light_of_all():
     whole = moments(room([area()]), SEEDS, 64, 6)
     parts = [moments(room([area(receivers=sets)]), SEEDS, 64, 6, seed=100 * n) for n, sets in enumerate((0b001, 0b010, 0b100))]
     total = tuple((sum(p[k][0] for p in parts), sum(p[k][1] for p in parts)) for k in range(2))
-    assert all(part[1][0].min() > 0.01 for part in parts), "each set gets its part"
+    assert all(part[1][0].min() > 1e-3 for part in parts), "each set gets its part"
     assert_same(whole, total, SEEDS)
 
 
@@ -48,9 +48,9 @@ def test_lights_of_each_set_add_up_to_the_light_of_all():
 def test_linked_light_agrees_with_the_plain_twin(sets):
     one, other = (
         moments(room([area(receivers=sets)], fog=sets != 1), SEEDS, samples, 6, integrator=name, train_field="never")
-        for name, samples in (("path", 64), ("plain", 512))
+        for name, samples in (("path", 64), ("plain", 192))
     )
-    assert_same(one, other, SEEDS, error=0.03)
+    assert_same(one, other, SEEDS, error=0.05)
 
 
 def test_a_glowing_mesh_shines_on_its_receivers_alone():
