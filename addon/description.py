@@ -13,6 +13,7 @@ import numpy as np
 
 Array = np.ndarray
 ALL_RAYS = 0b111111  # every bit of opcodes.RAY_KINDS
+ALL_SETS = (1 << 64) - 1  # every set of receivers or blockers, see Light
 
 
 @dataclass(frozen=True)
@@ -115,8 +116,10 @@ class Instance:
     none: a grey diffuse default). visibility: bits of opcodes.RAY_KINDS. random in [0,1]; color RGBA;
     pass_index: object's. asset: name of its topmost parent, "" where that is itself. dielectric_priority:
     where objects with one overlap, only that of the highest is there; 0 takes no part. properties: (N, 4)
-    numbers by which shaders read attributes of the object. motion: (S, 4, 4) float64, world_from_object at
-    S >= 2 equally spaced times of the shutter; None where it stands still."""
+    numbers by which shaders read attributes of the object. receiver_set, blocker_set: 0 to 63, see Light.
+    receivers, blockers: as of a Light, for what its faces emit. holdout: the camera sees a hole of alpha 0
+    where it is. motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter;
+    None where it stands still."""
 
     name: str
     mesh: int
@@ -128,6 +131,11 @@ class Instance:
     pass_index: int = 0
     dielectric_priority: int = 0
     properties: tuple = ()
+    receiver_set: int = 0
+    blocker_set: int = 0
+    receivers: int = ALL_SETS
+    blockers: int = ALL_SETS
+    holdout: bool = False
     motion: Array | None = None
     asset: str = ""
 
@@ -141,7 +149,7 @@ class Volume:
     clipping: voxels of smaller value count as empty. precision: "full", "half" or "file" (as stored).
     velocity_grids: names of one vector grid or three scalar ones, () for no motion blur; their values times
     velocity_scale are metres of the file's space per frame. generated_min, generated_size: box of generated
-    coordinates, file's space. random, color, pass_index, motion: see Instance."""
+    coordinates, file's space. random, color, pass_index, receiver_set, blocker_set, motion: see Instance."""
 
     name: str
     path: str
@@ -158,6 +166,8 @@ class Volume:
     random: float = 0.0
     color: tuple = (1.0, 1.0, 1.0, 1.0)
     pass_index: int = 0
+    receiver_set: int = 0
+    blocker_set: int = 0
     motion: Array | None = None
 
 
@@ -168,8 +178,12 @@ class Light:
     power: (3,) RGB: W for point, spot, area; W/m^2 for sun (at normal incidence). normalize False: power per
     m^2 of the light's area. radius: m (point, spot). angle: full angle of the sun's disc, rad. spot_size:
     full cone angle, rad; spot_blend in [0,1]. shape: "rectangle" or "ellipse"; size: (x, y) m. spread: full
-    angle of an area light, rad. Lights are not seen by the camera. visibility: rays that see it when they
-    hit it. cast_shadow False: never blocked. max_bounces: paths longer than that do not see it."""
+    angle of an area light, rad. visibility: rays that see it when they hit it. cast_shadow False: never
+    blocked. max_bounces: paths longer than that do not see it. program: its emission closures scale the
+    radiance (None: 1). random: see Instance.
+
+    receivers: bit n says that it shines on objects whose receiver_set is n. blockers: bit n, that objects
+    whose blocker_set is n cast its shadows. motion: see Instance; its size is that of the frame."""
 
     name: str
     kind: str
@@ -187,6 +201,11 @@ class Light:
     visibility: int = ALL_RAYS & ~1
     cast_shadow: bool = True
     max_bounces: int = 1024
+    program: Program | None = None
+    random: float = 0.0
+    receivers: int = ALL_SETS
+    blockers: int = ALL_SETS
+    motion: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -201,11 +220,13 @@ class World:
 
 @dataclass(frozen=True)
 class Camera:
-    """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right,
-    bottom, top) of the full frame at distance 1 (perspective) or in metres (orthographic). clip_start,
-    clip_end: along the view axis. aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation:
-    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis. motion: see Instance, of
-    world_from_camera."""
+    """kind: "perspective", "orthographic" or "panoramic". It looks along its local -z, y up. viewplane: (left,
+    right, bottom, top) of the full frame at distance 1 (perspective), in metres (orthographic) or in the unit
+    square that a panorama fills. clip_start, clip_end: along the view axis, of panoramas along the ray.
+    aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio: anamorphic.
+    focus_distance: m, along the same. motion: see Instance, of world_from_camera.
+
+    lens: of a panorama, a name of native/scene/panorama.h, which says what lens_values mean."""
 
     name: str
     kind: str
@@ -218,6 +239,8 @@ class Camera:
     blades_rotation: float = 0.0
     aperture_ratio: float = 1.0
     focus_distance: float = 1.0
+    lens: str = "equirectangular"
+    lens_values: tuple = ()
     motion: Array | None = None
 
 
@@ -242,7 +265,8 @@ class Film:
 class Scene:
     """The whole. settings: see parameters.py (missing names take their defaults). warnings: what the
     exporter left out, one sentence each, naming object and node. shutter: times at which it opens and closes,
-    in frames from this one; equal without motion blur."""
+    in frames from this one; equal without motion blur. shutter_curve: N >= 2 times in [0, 1] that divide the
+    light which it lets in into N - 1 equal parts; () where it opens and closes at once."""
 
     camera: Camera
     film: Film
@@ -256,6 +280,7 @@ class Scene:
     world: World = field(default_factory=World)
     warnings: tuple = ()
     shutter: tuple = (0.0, 0.0)
+    shutter_curve: tuple = ()
 
 
 def same(a, b):

@@ -289,9 +289,14 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
-    const float time = compiled::motion && scene_->features().motion ? sampler.next() : 0;
+    const float time = compiled::motion && scene_->features().motion ? scene_->shutter_time(sampler.next()) : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
+    if (ray.t_max < ray.t_min) {  // the lens shows nothing there
+        PixelSample nothing;
+        nothing.alpha = 0;
+        return nothing;
+    }
     if (learning_.active())
         sampler.enter_epoch(epoch_of(index));
     const std::uint64_t lookups = ws.counters.density_lookups;

@@ -11,7 +11,7 @@ from .cache import ExportCache
 from .camera import export_camera
 from .context import Context, ExportError
 from .film import export_film, export_settings, viewport_film
-from .motion import shutter
+from .motion import shutter, shutter_curve
 from .nodes import compile_world
 from .objects import Objects
 
@@ -46,8 +46,8 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True, space=None)
     _check_scene(context)
     objects = Objects(context)
     objects.walk()
-    world = compile_world(context.scene.world, context)
-    images = needs.images_read(context.materials, world)
+    world = compile_world(context.view_layer.world_override or context.scene.world, context)
+    images = needs.images_read(context.materials, world, objects.lights)
     places = {number: place for place, number in enumerate(images)}
     scene = description.Scene(
         camera=camera,
@@ -58,10 +58,11 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True, space=None)
         volumes=tuple(objects.volumes),
         materials=tuple(needs.renumbered(material, places) for material in context.materials),
         images=context.read_images(images),
-        lights=(*objects.lights, *context.sky_lights),
+        lights=(*(needs.renumbered(light, places) for light in objects.lights), *context.sky_lights),
         world=needs.renumbered(world, places),
         warnings=tuple(context.warnings),
         shutter=shutter(context.scene.render) if motion else (0.0, 0.0),
+        shutter_curve=shutter_curve(context.scene.render) if motion else (),
     )
     if engine is not None and motion and scene.shutter[0] != scene.shutter[1]:
         scene = objects.tracks.export(engine, scene)
@@ -71,6 +72,9 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True, space=None)
 
 def _check_scene(context):
     """Warns about settings of the scene that we do not have."""
+    cycles = getattr(context.scene, "cycles", None)
+    if context.scene.render.use_motion_blur and getattr(cycles, "rolling_shutter_type", "NONE") != "NONE":
+        context.warn("a rolling shutter is not supported; the whole picture is exposed at once")
     working_space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
     if working_space != "Linear Rec.709":
         context.warn(

@@ -6,7 +6,7 @@ import dataclasses
 
 from .. import description
 from .cache import ExportCache
-from .images import kept_image, kept_sky
+from .images import kept_image, kept_picture
 from .materials import kept_material
 from .properties import view_layer_attribute
 
@@ -112,9 +112,10 @@ class Context:
         block = self.block
         return self._image_number(use.key, lambda: kept_image(use, user, block, self))
 
-    def sky_number(self, settings, pixels):
-        """Returns the number of the picture of a sky (nodes_sky.py), which its settings determine."""
-        return self._image_number(("sky", settings), lambda: kept_sky(settings, pixels, self.cache))
+    def picture_number(self, name, settings, pixels):
+        """Returns the number of a picture that is computed, (h, w, 3), as of a sky or an IES profile; its name
+        and settings determine it."""
+        return self._image_number((name, settings), lambda: kept_picture(name, settings, pixels, self.cache))
 
     def _image_number(self, key, read_image):
         self._record.images = True

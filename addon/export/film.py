@@ -86,9 +86,10 @@ def export_film(context):
             )
     if len(layer.aovs):
         context.warn(f"view layer '{layer.name}': shader AOVs are not supported; they are black")
-    if layer.material_override is not None:
+    if len(getattr(layer, "lightgroups", ())):
         context.warn(
-            f"view layer '{layer.name}': the material override is not supported; objects keep their materials"
+            f"view layer '{layer.name}': light groups are not supported; their passes are missing. Render once for "
+            "each group with the other lights hidden"
         )
     return description.Film(
         width=width,

@@ -93,15 +93,15 @@ def kept_image(use, user, block, context):
     return before.image
 
 
-def kept_sky(settings, pixels, cache):
-    """Returns the description.Image of a sky's picture. settings: of its node; they determine `pixels`, (h,
-    w, 3)."""
-    key = ("sky", settings)
+def kept_picture(name, settings, pixels, cache):
+    """Returns the description.Image of a picture that is computed. settings: they determine `pixels`, (h, w,
+    3)."""
+    key = (name, settings)
     kept = cache.images.get(key)
     if kept is None:
         opaque = np.ones((*pixels.shape[:2], 4), np.float32)
         opaque[..., :3] = pixels
-        kept = KeptImage(Image("Sky", frozen(opaque)), (), None)
+        kept = KeptImage(Image(name, frozen(opaque)), (), None)
     return cache.images.put(key, kept).image
 
 

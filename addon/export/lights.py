@@ -4,34 +4,47 @@
 import math
 
 from .. import description
-from .nodes import light_factor
+from .hash import random_number
+from .nodes import compile_light
 from .space import matrix4
 
-CAMERA_BIT = 1
+MOST_BOUNCES = 1024
 
 
-def export_light(context, instance, visibility):
-    """Returns the description.Light of a depsgraph instance whose object is a light."""
+def export_light(context, instance, visibility, linking):
+    """Returns the description.Light of a depsgraph instance whose object is a light; None of a portal.
+    linking: its receivers and blockers."""
     item, light = instance.object, instance.object.data
+    cycles = getattr(light, "cycles", None)  # settings that Cycles adds
+    if light.type == "AREA" and getattr(cycles, "is_portal", False):
+        context.warn(
+            f"light '{item.name}': it is a portal, which gives no light; it is left out, and the world is sampled "
+            "without it"
+        )
+        return None
+    factor, program = compile_light(light, context)
     return description.Light(
         name=item.name,
         kind=light.type.lower(),
         world_from_light=matrix4(instance.matrix_world),
-        power=_power(light, context),
+        power=_power(light, factor),
         normalize=getattr(light, "normalize", True),
-        visibility=visibility & ~CAMERA_BIT,
+        visibility=visibility,
         cast_shadow=light.use_shadow,
+        max_bounces=int(getattr(cycles, "max_bounces", MOST_BOUNCES)),
+        program=program,
+        random=random_number(instance),
+        **linking,
         **SHAPES[light.type](light),
     )
 
 
-def _power(light, context):
+def _power(light, factor):
     """Returns (3,) W (W/m^2 for the sun): energy, exposure, colour, temperature and the light's nodes
-    together."""
+    together. factor: of the nodes."""
     strength = light.energy * 2.0 ** getattr(light, "exposure", 0.0)
     tint = light.temperature_color if getattr(light, "use_temperature", False) else (1.0, 1.0, 1.0)
-    nodes = light_factor(light, context)
-    return tuple(strength * c * t * n for c, t, n in zip(light.color, tint, nodes, strict=True))
+    return tuple(strength * c * t * n for c, t, n in zip(light.color, tint, factor, strict=True))
 
 
 def _point(light):

@@ -158,8 +158,7 @@ class MeshRecord:
             self._require_normals()
         for name, number in uvs.items():
             if number not in self._uvs:
-                layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
-                self._uvs[number] = self._layer_of("uvs", layer, self._read_uv)
+                self._uvs[number] = self._require_uv(name)
         for name, number in attributes.items():
             if number not in self._attributes:
                 self._attributes[number] = self._require_attribute(name)
@@ -170,6 +169,10 @@ class MeshRecord:
             normals = self._normals(self._mesh, self.arrays.triangles)
             self.arrays.take("corner_normals", normals, self._before)
             self.arrays.has_normals = True
+
+    def _require_uv(self, name):
+        layer = self._mesh.uv_layers.get(name) if name else self._active_uv()
+        return self._layer_of("uvs", layer, self._read_uv)
 
     def _require_attribute(self, name):
         if name in (POINTINESS, ISLAND_RANDOM):
@@ -241,7 +244,7 @@ class MeshRecord:
         if not self._has_surface:
             arrays.corner_normals, arrays.has_normals = None, False
         arrays.motion = arrays.motion_normals = None
-        low, size = _generated_box(self._mesh)
+        low, size = self._box()
         return description.Mesh(
             name=self.name,
             positions=arrays.positions,
@@ -253,6 +256,9 @@ class MeshRecord:
             generated_min=low,
             generated_size=size,
         )
+
+    def _box(self):
+        return _generated_box(self._mesh)
 
     def moving(self, *shapes):
         """Returns the arrays of motion, given anew, as they are kept. After `finish`."""

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur: when the shutter is open, and which volumes move while it is."""
+"""Motion blur: when the shutter is open and how far, and which volumes move while it is."""
 
+import numpy as np
+
+CURVE_SAMPLES, CURVE_PARTS = 1025, 256
 SEPARATORS = ("", ".", "_")  # between name and axis of a velocity kept as three grids, as Blender has them
 
 
@@ -11,6 +14,22 @@ def shutter(render):
     length = float(render.motion_blur_shutter)
     opening = {"START": 0.0, "CENTER": -0.5, "END": -1.0}[render.motion_blur_position] * length
     return (opening, opening + length)
+
+
+def shutter_curve(render):
+    """Returns times in [0, 1] of the shutter that divide its light into CURVE_PARTS equal parts; () where it
+    is open all the way, all the time."""
+    if not render.use_motion_blur:
+        return ()
+    mapping = render.motion_blur_shutter_curve
+    mapping.initialize()
+    places = np.linspace(0.0, 1.0, CURVE_SAMPLES)
+    opening = np.array([max(mapping.evaluate(mapping.curves[0], place), 0.0) for place in places])
+    if np.ptp(opening) < 1e-6 or not opening.any():
+        return ()
+    light = np.concatenate(([0.0], np.cumsum(opening[1:] + opening[:-1])))
+    even = np.linspace(0.0, light[-1], CURVE_PARTS + 1)
+    return tuple(float(time) for time in np.interp(even, light, places))
 
 
 def frames_per_second(render):

@@ -52,23 +52,25 @@ class Tracks:
 
     def __init__(self, context):
         self._context = context
-        self._tracks = {}  # identity -> Track, None where several instances have the same
+        self._parts = {""}
+        self._tracks = {}  # (identity, part) -> Track, None where several instances have the same
         self._records = {}  # mesh number -> MeshRecord, of those that may change their shape
         self._shapes = {}  # mesh number -> lists of positions and normals by step, None where it cannot be
 
-    def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None):
+    def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None, part=""):
         """Takes note of an instance that the walk found. record, mesh: of a mesh and its number.
-        world_from_data: where the description places something else than the object's own space."""
+        part: tells what moves with the same instance apart; none but "" changes its shape. world_from_data: where the description places something else than the object's own space."""
         if not is_blurred(self._context, instance):
             return
         item = instance.object
         track = Track(kind, number, item.name, step_exponent(item), mesh=mesh)
-        if record is not None and _deforms(instance, self._context.scene):
+        if record is not None and part == "" and _deforms(instance, self._context.scene):
             track.record = self._records[mesh] = record
             record.corners  # noqa: B018 - read while the mesh is there, for shape_of()
         if world_from_data is not None:
             track.object_from_data = np.linalg.pinv(matrix4(instance.matrix_world)) @ world_from_data
-        key = identity(instance)
+        self._parts.add(part)
+        key = identity(instance), part
         self._tracks[key] = None if key in self._tracks else track
 
     def export(self, engine, scene):
@@ -93,14 +95,18 @@ class Tracks:
     def _read_step(self, step, steps):
         read_shapes = set()
         for instance in self._context.depsgraph.object_instances:
-            track = self._tracks.get(identity(instance))
-            if track is None or len(track.matrices) != step:
-                continue
-            track.matrices.append(matrix4(instance.matrix_world))
-            if track.record is None or track.mesh in read_shapes or step % _stride(track, steps) != 0:
-                continue
-            read_shapes.add(track.mesh)
-            self._read_shape(track, instance.object)
+            key = identity(instance)
+            for track in filter(None, [self._tracks.get((key, part)) for part in self._parts]):
+                self._read_track(track, instance, step, steps, read_shapes)
+
+    def _read_track(self, track, instance, step, steps, read_shapes):
+        if len(track.matrices) != step:
+            return
+        track.matrices.append(matrix4(instance.matrix_world))
+        if track.record is None or track.mesh in read_shapes or step % _stride(track, steps) != 0:
+            return
+        read_shapes.add(track.mesh)
+        self._read_shape(track, instance.object)
 
     def _read_shape(self, track, item):
         shape = self._shapes.setdefault(track.mesh, ([], []))
@@ -118,16 +124,20 @@ class Tracks:
             values.append(more)
 
     def _applied(self, scene, camera, steps):
-        placed = {"instance": list(scene.instances), "volume": list(scene.volumes)}
+        placed = {
+            "instance": list(scene.instances),
+            "volume": list(scene.volumes),
+            "light": list(scene.lights),
+        }
         meshes = list(scene.meshes)
         for track in filter(None, self._tracks.values()):
             moves = len(track.matrices) == steps and _differ(track.matrices)
-            if moves and track.kind == "light":
-                self._context.warn(
-                    f"light '{track.name}': it moves while the shutter is open; it is shown as it stands at "
-                    "the frame"
-                )
-            elif moves:
+            if moves:
+                if track.kind == "light" and _changes_scale(track.matrices):
+                    self._context.warn(
+                        f"light '{track.name}': its scale changes while the shutter is open; it keeps its size at "
+                        "the frame"
+                    )
                 items = placed[track.kind]
                 matrices = np.stack(track.matrices[:: _stride(track, steps)]) @ track.object_from_data
                 items[track.number] = dataclasses.replace(items[track.number], motion=matrices)
@@ -140,6 +150,7 @@ class Tracks:
             scene,
             instances=tuple(placed["instance"]),
             volumes=tuple(placed["volume"]),
+            lights=tuple(placed["light"]),
             meshes=tuple(meshes),
             camera=camera.applied(scene.camera, steps),
             warnings=tuple(self._context.warnings),
@@ -174,6 +185,10 @@ def _stride(track, steps):
     return (steps - 1) // 2**track.exponent
 
 
+def _changes_scale(matrices):
+    return _differ([np.linalg.norm(m[:3, :3], axis=0) for m in matrices])
+
+
 def _differ(values):
     """Returns whether arrays differ by more than rounding."""
     return any(np.abs(value - values[0]).max(initial=0) > STILL for value in values[1:])
@@ -183,6 +198,8 @@ def _deforms(instance, scene):
     """Returns whether an instance's shape may change: an object that shows its own mesh through modifiers
     or shape keys."""
     item = instance.object
+    if item.type in ("CURVES", "POINTCLOUD"):
+        return getattr(getattr(item, "cycles", None), "use_deform_motion", True)
     if item.type != "MESH" or not getattr(getattr(item, "cycles", None), "use_deform_motion", True):
         return False
     original = item.original

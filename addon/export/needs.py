@@ -26,9 +26,9 @@ def layers_read(program, uvs, attributes):
     return read(uvs, "uv"), read(attributes, "attribute")
 
 
-def images_read(materials, world):
-    """Returns the numbers of the images that the programs of materials and world read, in order."""
-    programs = _programs((*materials, world))
+def images_read(materials, world, lights=()):
+    """Returns the numbers of the images that the programs of materials, world and lights read, in order."""
+    programs = _programs((*materials, world, *lights))
     return sorted({number for program in programs for number in _image_numbers(program).tolist()})
 
 
@@ -38,8 +38,11 @@ def properties_read(materials):
 
 
 def renumbered(block, places):
-    """Returns a Material or World whose programs read image places[n] in place of image n."""
-    field = "surface" if hasattr(block, "surface") else "background"
+    """Returns a Material, World or Light whose programs read image places[n] in place of image n."""
+    field = _field(block)
+    if field == "program":
+        program = _with_images(block.program, places)
+        return block if program is block.program else dataclasses.replace(block, program=program)
     surface = _with_images(_surface(block), places)
     programs = [_with_images(closure.program, places) for closure in block.volume]
     if surface is _surface(block) and all(
@@ -54,11 +57,11 @@ def renumbered(block, places):
 
 
 def _programs(blocks):
-    """Returns the programs of Materials and Worlds."""
+    """Returns the programs of Materials, Worlds and Lights."""
     return [
         program
         for block in blocks
-        for program in (_surface(block), *(closure.program for closure in block.volume))
+        for program in (_surface(block), *(closure.program for closure in getattr(block, "volume", ())))
         if program is not None
     ]
 
@@ -71,7 +74,11 @@ def _numbers_in_mode(program, kind):
 
 
 def _surface(block):
-    return block.surface if hasattr(block, "surface") else block.background
+    return getattr(block, _field(block))
+
+
+def _field(block):
+    return next(name for name in ("surface", "background", "program") if hasattr(block, name))
 
 
 def _image_rows(program):

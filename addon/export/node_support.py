@@ -25,7 +25,7 @@ def unsupported(label, why):
 
 
 IN_VOLUMES = "In volumes only."
-NO_HAIR = "Hair curves and points are not rendered: on meshes every output is 0, as in Cycles."
+STRANDS = "Random: other numbers than Cycles'. The tangent normal is the normal."
 
 # Group of nodes -> identifier (bl_idname without "ShaderNode") -> Node.
 NODES = {
@@ -37,7 +37,7 @@ NODES = {
         "Bevel": approximated("Bevel", "The normal stays as it is."),
         "CameraData": Node("Camera Data"),
         "Fresnel": Node("Fresnel"),
-        "HairInfo": approximated("Curves Info", NO_HAIR),
+        "HairInfo": approximated("Curves Info", STRANDS),
         "LayerWeight": Node("Layer Weight"),
         "LightPath": Node(
             "Light Path", note="In volumes the kind of ray only. There are no portals: their depth is 0."
@@ -45,7 +45,7 @@ NODES = {
         "NewGeometry": Node("Geometry", note="Random Per Island: other numbers than Cycles'."),
         "ObjectInfo": Node("Object Info"),
         "ParticleInfo": Node("Particle Info"),
-        "PointInfo": approximated("Point Info", NO_HAIR),
+        "PointInfo": Node("Point Info", note="Random: other numbers than Cycles'."),
         "RGB": Node("Color"),
         "Tangent": Node("Tangent"),
         "TexCoord": Node("Texture Coordinate"),
@@ -62,7 +62,7 @@ NODES = {
         "TexEnvironment": Node("Environment Texture"),
         "TexGabor": Node("Gabor Texture"),
         "TexGradient": Node("Gradient Texture"),
-        "TexIES": unsupported("IES Texture", "Lamps have no shader of their own."),
+        "TexIES": Node("IES Texture", note="On lamps."),
         "TexImage": Node("Image Texture", note="Of movies only the frame that Blender holds."),
         "TexMagic": Node("Magic Texture"),
         "TexNoise": Node("Noise Texture"),
@@ -81,7 +81,7 @@ NODES = {
         "Gamma": Node("Gamma"),
         "HueSaturation": Node("Hue/Saturation/Value"),
         "Invert": Node("Invert Color"),
-        "LightFalloff": Node("Light Falloff", note="On surfaces; lamps fall off as usual."),
+        "LightFalloff": Node("Light Falloff", note="On surfaces and lamps."),
         "Mix": Node("Mix"),
         "MixRGB": Node("Mix (Legacy)"),
         "RGBCurve": Node("RGB Curves"),
@@ -118,8 +118,8 @@ NODES = {
         "BsdfAnisotropic": approximated("Glossy BSDF", "Isotropic; of the distributions GGX and Beckmann."),
         "BsdfDiffuse": Node("Diffuse BSDF"),
         "BsdfGlass": approximated("Glass BSDF", "Without thin films."),
-        "BsdfHair": unsupported("Hair BSDF", "Hair is not rendered."),
-        "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Hair is not rendered."),
+        "BsdfHair": unsupported("Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
+        "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
         "BsdfMetallic": approximated(
             "Metallic BSDF", "Isotropic, by reflectance at normal incidence, without thin films."
         ),
@@ -146,7 +146,7 @@ NODES = {
     "Outputs and structure": {
         "Group": Node("Group", note="Nested to any depth."),
         "OutputAOV": unsupported("AOV Output", "There are no passes of shaders' making."),
-        "OutputLight": approximated("Light Output", "Of a lamp's nodes a constant Emission."),
+        "OutputLight": Node("Light Output", note="Of shaders Emission alone counts."),
         "OutputLineStyle": unsupported("Line Style Output", "Freestyle only."),
         "OutputMaterial": Node("Material Output"),
         "OutputWorld": Node("World Output"),

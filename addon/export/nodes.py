@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiles materials', worlds' and lights' node trees: the entry points of the node compiler."""
 
+import dataclasses
+
 import bpy
+import numpy as np
 
 from .. import description
+from ..opcodes import RAY_KINDS
 from . import (
     nodes_color,
+    nodes_ies,
     nodes_input,
     nodes_math,
     nodes_normal,
@@ -18,7 +23,7 @@ from .needs import layers_read
 from .nodes_closure import compile_closures
 from .nodes_normal import displaced_normal
 from .nodes_program import ONE, ProgramTooLarge, constant
-from .nodes_tree import Compiler, relay, upstream
+from .nodes_tree import Compiler, upstream
 from .nodes_volume import compile_volume
 from .nodes_volume_input import VolumeCompiler
 
@@ -30,6 +35,7 @@ HANDLERS = (
     | nodes_procedural.HANDLERS
     | nodes_texture.HANDLERS
     | nodes_sky.HANDLERS
+    | nodes_ies.HANDLERS
 )
 VOLUME_HANDLERS = HANDLERS | nodes_volume_input.HANDLERS
 
@@ -92,9 +98,25 @@ def compile_material(material, context, grids=None):
 
 
 def compile_world(world, context):
-    """Returns the description.World of Blender's world (None: black)."""
+    """Returns the description.World of Blender's world (None: black); its background only where the view layer
+    shows it."""
     if world is None:
         return description.World()
+    compiled = dataclasses.replace(_compiled_world(world, context), visibility=_world_visibility(world))
+    return compiled if context.view_layer.use_sky else dataclasses.replace(compiled, background=None)
+
+
+def _world_visibility(world):
+    """Returns the mask of rays that see the world, by settings that Cycles adds to it."""
+    settings = getattr(world, "cycles_visibility", None)
+    if settings is None:
+        return description.ALL_RAYS
+    names = {kind: "scatter" if kind == "volume" else kind for kind in RAY_KINDS}
+    bits = (1 << n for n, kind in enumerate(RAY_KINDS) if getattr(settings, names[kind], True))
+    return sum(bits) | 1 << RAY_KINDS.index("shadow")  # its volume casts shadows whatever is asked for
+
+
+def _compiled_world(world, context):
     context.block, owner = world, f"world '{world.name}'"
     compiler = Compiler(owner, "world", context, HANDLERS)
     if not uses_nodes(world):
@@ -113,31 +135,27 @@ def compile_world(world, context):
     return description.World(background=program if program.closures else None, volume=volume)
 
 
-def light_factor(light, context):
-    """Returns the (3,) tuple that a light's node tree multiplies its power by: colour times strength of its
-    Emission."""
+def compile_light(light, context):
+    """Returns (factor, program) of a light's node tree: what it multiplies the power by, (3,), and a
+    description.Program whose emission scales the radiance besides, or None where that is the same
+    everywhere."""
     if not uses_nodes(light):
-        return (1.0, 1.0, 1.0)
+        return (1.0, 1.0, 1.0), None
     owner = f"light '{light.name}'"
     output = active_output(light.node_tree)
     if output is None:
         context.warn(f"{owner}: has no active Light Output node; it gives no light")
-        return (0.0, 0.0, 0.0)
+        return (0.0, 0.0, 0.0), None
+    context.block = light
     compiler = Compiler(owner, "light", context, HANDLERS)
-    found, path = upstream(output.inputs["Surface"]), ()
-    while found is not None and (passed := relay(found, path)) is not None:
-        behind, path = passed
-        found = upstream(behind) if behind is not None else None
-    if found is None:
-        return (0.0, 0.0, 0.0)
-    node = found.node
-    if node.type != "EMISSION":
-        compiler.warn(node, "only an Emission node is supported in a light; its nodes are left out")
-        return (1.0, 1.0, 1.0)
-    color, strength = compiler.input(node, "Color", path), compiler.input(node, "Strength", path)
-    if color.constant is None or strength.constant is None:
-        compiler.warn(
-            node, "inputs that are not constant are not supported in a light; its nodes are left out"
-        )
-        return (1.0, 1.0, 1.0)
-    return tuple(a * b for a, b in zip(color.constant, strength.constant, strict=True))
+    compile_closures(compiler, output.inputs["Surface"], ())
+    program = finished(compiler)
+    if any(closure.kind != "emission" for closure in program.closures):
+        context.warn(f"{owner}: only Emission counts in a light; its other shaders are left out")
+        emitting = tuple(closure for closure in program.closures if closure.kind == "emission")
+        program = dataclasses.replace(program, closures=emitting)
+    if len(program.code) > 0:
+        return (1.0, 1.0, 1.0), program
+    held = program.registers.astype(float)
+    emitted = [held[c.weight] * held[c.inputs[0]] * held[c.inputs[1]] for c in program.closures]
+    return tuple(float(v) for v in np.maximum(sum(emitted, np.zeros(3)), 0.0)), None

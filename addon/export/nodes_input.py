@@ -3,10 +3,10 @@
 
 import numpy as np
 
-from ..opcodes import RAY_HISTORY, RAY_KINDS
+from ..opcodes import RAY_HISTORY, RAY_KINDS, SPACES
 from .nodes_normal import normal_or_shading, radial_tangent
 from .nodes_program import ONE, ZERO, constant
-from .properties import INSTANCER, ISLAND_RANDOM, POINTINESS, particle_property
+from .properties import INSTANCER, ISLAND_RANDOM, POINTINESS, STRAND, particle_property
 from .space import matrix4
 
 
@@ -28,7 +28,7 @@ def texture_coordinate(c, node, output, path):
     if output.identifier in INSTANCER and node.from_instancer and c.scope == "material":
         return c.emit("object_attribute", mode=c.property(INSTANCER[output.identifier]))
     if output.identifier == "UV":
-        return c.emit("uv", mode=c.uv(""))
+        return c.emit("parametric") if c.scope == "light" else c.emit("uv", mode=c.uv(""))
     if output.identifier == "Object":
         if node.object is None:
             return c.emit("object_coordinate")
@@ -40,7 +40,7 @@ def texture_coordinate(c, node, output, path):
 def uv_map(c, node, output, path):
     if node.from_instancer and c.scope == "material":
         return c.emit("object_attribute", mode=c.property(INSTANCER["UV"]))
-    return c.emit("uv", mode=c.uv(node.uv_map))
+    return c.emit("parametric") if c.scope == "light" else c.emit("uv", mode=c.uv(node.uv_map))
 
 
 GEOMETRY = {
@@ -97,8 +97,16 @@ def particle_info(c, node, output, path):
     return c.emit("object_attribute", mode=c.property(particle_property(output.identifier)))
 
 
-def hair_info(c, node, output, path):
-    return ZERO  # what is no strand has none of it
+def strand_info(c, node, output, path):
+    """Curves Info and Point Info: 0 on what is neither."""
+    name = f"\0strand {output.name}"
+    if c.scope != "material":
+        return ZERO
+    if name not in STRAND:
+        c.warn(node, f"output '{output.name}' is not supported; it is the normal")
+        return c.emit("normal")
+    value = c.emit("attribute", mode=c.attribute(name))
+    return c.emit("convert_space", value, mode=SPACES.index("object")) if output.name == "Position" else value
 
 
 def attribute(c, node, output, path):
@@ -171,7 +179,7 @@ def light_path(c, node, output, path):
 def light_falloff(c, node, output, path):
     """Strength times the power of the distance that makes the light fall off so: none, once or twice."""
     strength, smooth = c.input(node, "Strength", path), c.input(node, "Smooth", path)
-    if c.scope != "material":
+    if c.scope not in ("material", "light"):
         if output.identifier != "Quadratic" or not smooth.is_zero:
             c.warn(
                 node, f"output '{output.name}' is supported on surfaces only; the light falls off as usual"
@@ -208,8 +216,8 @@ HANDLERS = {
     "LIGHT_PATH": light_path,
     "LIGHT_FALLOFF": light_falloff,
     "PARTICLE_INFO": particle_info,
-    "HAIR_INFO": hair_info,
-    "POINT_INFO": hair_info,
+    "HAIR_INFO": strand_info,
+    "POINT_INFO": strand_info,
     "FRESNEL": fresnel,
     "LAYER_WEIGHT": layer_weight,
     "WIREFRAME": wireframe,

@@ -58,7 +58,7 @@ def sky(c, node, output, path):
         return ZERO
     if baked[1].any() and c.plain_sky != node:
         c.warn(node, "the sun's disc shines only where the texture alone colours the world; add a Sun lamp")
-    number = c.context.sky_number(sky_settings(node), baked[0])
+    number = c.context.picture_number("Sky", sky_settings(node), baked[0])
     return c.emit("environment", coordinate(c, node, path), parameters=(number,))
 
 

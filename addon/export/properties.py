@@ -11,6 +11,11 @@ INSTANCER = {"Generated": ("PLACE", "orco"), "UV": ("PLACE", "uv")}  # by output
 
 # Mesh attributes that the exporter computes; no attribute of Blender's can be called so.
 POINTINESS, ISLAND_RANDOM = "\0pointiness", "\0random per island"
+# Of strands and points: attribute -> output of Curves Info or Point Info.
+STRAND = {
+    f"\0strand {output}": output
+    for output in ("Is Strand", "Intercept", "Length", "Thickness", "Random", "Radius", "Position")
+}
 
 NOTHING = (0.0, 0.0, 0.0, 1.0)
 ABSENT = (0.0, 0.0, 0.0, 0.0)

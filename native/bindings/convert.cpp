@@ -37,6 +37,15 @@ std::array<float, 4> four(const nb::object& rgba) {
     return {nb::cast<float>(rgba[0]), nb::cast<float>(rgba[1]), nb::cast<float>(rgba[2]),
             nb::cast<float>(rgba[3])};
 }
+std::uint8_t set_number(nb::handle object, const char* attribute) {
+    const int number = value<int>(object, attribute);
+    if (number < 0 || number > 63)
+        throw std::invalid_argument(std::string("'") + attribute + "' must be 0 to 63");
+    return static_cast<std::uint8_t>(number);
+}
+Linking linking(nb::handle light) {
+    return {value<std::uint64_t>(light, "receivers"), value<std::uint64_t>(light, "blockers")};
+}
 std::array<float, 4> color(nb::handle object) {
     return four(object.attr("color"));
 }
@@ -73,6 +82,10 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.properties = list<std::array<float, 4>>(
         i, "properties", [](nb::handle rgba) { return four(nb::borrow<nb::object>(rgba)); });
     out.dielectric_priority = value<int>(i, "dielectric_priority");
+    out.receiver_set = set_number(i, "receiver_set");
+    out.blocker_set = set_number(i, "blocker_set");
+    out.linking = linking(i);
+    out.holdout = value<bool>(i, "holdout");
     return out;
 }
 
@@ -100,6 +113,8 @@ VolumeSource volume(nb::handle v, std::size_t material_count, const std::array<d
     out.random = value<float>(v, "random");
     out.color = color(v);
     out.pass_index = value<float>(v, "pass_index");
+    out.receiver_set = set_number(v, "receiver_set");
+    out.blocker_set = set_number(v, "blocker_set");
     return out;
 }
 
@@ -144,6 +159,30 @@ LampDescription lamp(nb::handle l, const std::array<double, 3>& origin) {
     out.visibility = value<std::uint32_t>(l, "visibility");
     out.cast_shadow = value<bool>(l, "cast_shadow");
     out.max_bounces = value<int>(l, "max_bounces");
+    out.random = value<float>(l, "random");
+    out.linking = linking(l);
+    out.program = program_of(l.attr("program"));
+    out.motion = motion_matrices(l, origin);
+    return out;
+}
+
+Panorama panorama(nb::handle c) {
+    using Lens = Panorama::Lens;
+    Panorama out;
+    out.lens = choice<Lens>(c, "lens",
+                            {{"equirectangular", Lens::equirectangular},
+                             {"fisheye_equidistant", Lens::fisheye_equidistant},
+                             {"fisheye_equisolid", Lens::fisheye_equisolid},
+                             {"fisheye_polynomial", Lens::fisheye_polynomial},
+                             {"mirror_ball", Lens::mirror_ball},
+                             {"equiangular_cubemap", Lens::equiangular_cubemap},
+                             {"central_cylindrical", Lens::central_cylindrical}});
+    std::size_t count = 0;
+    for (nb::handle v : nb::borrow<nb::object>(c.attr("lens_values"))) {
+        if (count == out.values.size())
+            throw std::invalid_argument("'lens_values' are more than a lens has");
+        out.values[count++] = nb::cast<double>(v);
+    }
     return out;
 }
 
@@ -151,8 +190,12 @@ CameraDescription camera(nb::handle c) {
     using Kind = CameraDescription::Kind;
     CameraDescription out;
     out.name = text(c, "name");
-    out.kind =
-        choice<Kind>(c, "kind", {{"perspective", Kind::perspective}, {"orthographic", Kind::orthographic}});
+    out.kind = choice<Kind>(c, "kind",
+                            {{"perspective", Kind::perspective},
+                             {"orthographic", Kind::orthographic},
+                             {"panoramic", Kind::panoramic}});
+    if (out.kind == Kind::panoramic)
+        out.panorama = panorama(c);
     matrix(c, "world_from_camera", out.world_from_camera);
     const nb::object viewplane = c.attr("viewplane");
     out.left = nb::cast<double>(viewplane[0]);
@@ -207,6 +250,8 @@ SceneSource scene_source_of(nb::handle scene) {
     out.origin = move_origin(out.camera);
     const int columns = std::max(1, reading("film", [&] { return value<int>(scene.attr("film"), "width"); }));
     out.pixel_width = static_cast<float>((out.camera.right - out.camera.left) / columns);
+    if (out.camera.kind == CameraDescription::Kind::panoramic)
+        out.pixel_width *= 2 * kPi;  // an angle: its picture is a square of 1, and shows all round or less
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {
@@ -223,6 +268,14 @@ SceneSource scene_source_of(nb::handle scene) {
     out.images = list<Image>(scene, "images", image);
     out.lamps = list<LampDescription>(scene, "lights", [&](nb::handle l) { return lamp(l, out.origin); });
     out.world = reading("world", [&] { return world_of(scene.attr("world")); });
+    out.shutter_curve = reading("shutter_curve", [&] {
+        std::vector<float> curve;
+        for (nb::handle time : nb::borrow<nb::object>(scene.attr("shutter_curve")))
+            curve.push_back(std::clamp(nb::cast<float>(time), 0.0f, 1.0f));
+        if (curve.size() == 1)
+            throw std::invalid_argument("'shutter_curve' must have no value, or two or more");
+        return curve;
+    });
     std::tie(out.shutter_open, out.shutter_close) = reading("shutter", [&] {
         const nb::object shutter = scene.attr("shutter");
         return std::pair(nb::cast<float>(shutter[0]), nb::cast<float>(shutter[1]));

@@ -18,12 +18,14 @@ struct DirectSample {
     Vec3f target;  ///< where a shadow ray has to end, off the emitter's surface; unused where the distance is
                    ///< infinite
     bool cast_shadow = true;
+    std::uint32_t kinds = ~0u;  ///< of scattered rays that see it
+    std::uint64_t blockers = Linking::kAll;
+    bool alone = false;  ///< no other technique finds it: its MIS weight is 1
 };
 
-/// Kind of ray that light sampling stands for at the vertex which rays of kind `scattered` leave: from a
-/// surface it does not know the lobe, and asks whether diffuse rays see the light.
-constexpr std::uint32_t sampling_kind(std::uint32_t scattered) {
-    return scattered == kVolumeRay ? kVolumeRay : kDiffuseRay;
+/// Kinds of rays that light sampling stands for at the vertex which rays of kind `scattered` leave.
+constexpr std::uint32_t sampling_kinds(std::uint32_t scattered) {
+    return scattered == kVolumeRay ? kVolumeRay : kDiffuseRay | kGlossyRay | kTransmissionRay;
 }
 
 /// Kinds of rays that see a light when they hit it.
@@ -42,8 +44,9 @@ inline std::uint32_t light_visibility(const Scene& scene, std::uint32_t number) 
 
 /// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
 /// history: of the ray that came here.
-inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, std::uint32_t ray_kind,
+inline std::optional<DirectSample> sample_direct(const Scene& scene, const Receiver& at, std::uint32_t ray_kind,
                                                  const RayHistory& history, PathSampler& sampler) {
+    const Vec3f p = at.p;
     const LightSet& lights = scene.lights();
     if (lights.empty())
         return std::nullopt;
@@ -51,18 +54,22 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     const RandomPair pair = sampler.next_pair();
     const Vec2f u = pair.coarse();
     float probability = 0;
-    const auto number = lights.select(p, choice.x, probability);
-    if (!number || (light_visibility(scene, *number) & ray_kind) == 0)
+    const auto number = lights.select(at, choice.x, probability);
+    if (!number || (light_visibility(scene, *number) & sampling_kinds(ray_kind)) == 0)
         return std::nullopt;
     DirectSample out;
     if (lights.kind(*number) == LightSet::Kind::lamp) {
         const Lamp& lamp = lights.lamp(*number);
         if (history.depth > lamp.max_bounces)
             return std::nullopt;
-        const auto s = lamp.sample(p, u);
+        const auto s = lamp.sample(at, u);
         if (!s)
             return std::nullopt;
         out.light = *s;
+        if (scene.features().lamp_shaders) {
+            out.light.Li *= scene.lamp_tint(*number, {p, s->wi, 0, kInfinity, at.time}, s->distance, ray_kind,
+                                            history.after(ray_kind, false));
+        }
         out.cast_shadow = lamp.cast_shadow;
         out.target = p + s->wi * s->distance;
     } else if (lights.kind(*number) == LightSet::Kind::mesh) {
@@ -86,6 +93,11 @@ inline std::optional<DirectSample> sample_direct(const Scene& scene, Vec3f p, st
     if (!(out.light.pdf > 0) || is_zero(out.light.Li))
         return std::nullopt;
     out.light.pdf *= probability;
+    out.kinds = light_visibility(scene, *number);
+    if (lights.linked()) {
+        out.blockers = lights.linking(*number).blockers;
+        out.alone = out.blockers != Linking::kAll;
+    }
     return out;
 }
 
@@ -108,10 +120,10 @@ Rgb shadow_transmittance(const Scene& scene, const Settings& settings, Vec3f p, 
         return Rgb(1);
     const Ray ray = shadow_ray(p, time, direct);
     ++ws.counters.rays;
-    Rgb T = scene.surface_transmittance(ray);
+    Rgb T = scene.surface_transmittance(ray, direct.blockers);
     if (!k.media || is_zero(T) || !scene.features().media)
         return T;
-    scene.find_media(ray, kShadowRay, ws.shadow);
+    scene.find_media(ray, kShadowRay, ws.shadow, direct.blockers);
     return T * estimate_transmittance<k>(ws.shadow, settings, sampler.rng(), ws.counters);
 }
 

@@ -29,6 +29,8 @@ class LampsOnTheWay {
     LampsOnTheWay() = default;
     /// From a vertex on, which has not been moved off its surface.
     explicit LampsOnTheWay(Vec3f vertex) : vertex_(vertex) {}
+    /// From the camera's lens on, which sees nothing nearer than that.
+    LampsOnTheWay(Vec3f lens, float nearest) : vertex_(lens), passed_{nearest, 0} {}
 
     Vec3f vertex() const { return vertex_; }
     /// From the vertex to where the ray starts.
@@ -42,7 +44,7 @@ class LampsOnTheWay {
     LampHit nearest(const LightSet& lights, const Ray& ray, std::uint32_t kind, int bounces,
                     float end) const {
         LampHit nearest;
-        const Ray reach{vertex_, ray.d, passed_.first, travelled_ + end};
+        const Ray reach{vertex_, ray.d, passed_.first, travelled_ + end, ray.time};
         lights.for_each_lamp_hit(reach, [&](std::uint32_t number, const LightHit& hit) {
             if (hit.distance == kInfinity || !sees(lights.lamp(number), kind, bounces))
                 return;

@@ -63,6 +63,7 @@ class Path : private PathLight<k> {
         bool specular;
         std::uint32_t kind;
         FieldPart part;
+        std::uint8_t receiver;  ///< set that its object is in, see Linking
     };
 
     /// One segment; false where the branch ends.
@@ -133,11 +134,16 @@ class Path : private PathLight<k> {
             walk_.first = First::volume;
         const Vec3f p = walk_.ray.at(stream.t);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
-        light_volume(p, phase, guide_in_volume(region_at(p, FieldPart::volume), p));
+        light_volume(p, receiver_set_at(stream.t), phase, guide_in_volume(region_at(p, FieldPart::volume), p));
         walk_.first = first;
         walk_.beta = beta;
         segment.gathered = light() - before;
         segment.undecided += segment.gathered;
+    }
+
+    /// Set of receivers that the object of the medium at t of the segment is in.
+    std::uint8_t receiver_set_at(float t) const {
+        return scene_.features().light_linking ? scene_.receiver_set_at(ws_.segment, t) : std::uint8_t{0};
     }
 
     /// Whether the path may not scatter in volumes any more.
@@ -147,6 +153,7 @@ class Path : private PathLight<k> {
 
     bool scatter_in_volume(const Flight& flight) {
         const Vec3f p = walk_.ray.at(flight.t);
+        const std::uint8_t set = receiver_set_at(flight.t);
         record_.arrive(walk_.way.travelled() + flight.t);
         if (walk_.first == First::none) {
             walk_.first = First::volume;
@@ -160,18 +167,19 @@ class Path : private PathLight<k> {
         const Guide guide = guide_in_volume(region, p);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
         if (!walk_.lit)
-            light_volume(p, phase, guide);
+            light_volume(p, set, phase, guide);
         walk_.lit = false;
         const int branches = roulette(region);
         if (branches <= 1)
-            return branches == 1 && leave_volume(p, phase, guide, region);
+            return branches == 1 && leave_volume(p, set, phase, guide, region);
         const std::vector<ScatterShare> shares = ws_.tracking.shares;  // which the branches overwrite
         const PhaseMixture kept(shares, walk_.beta);
-        return branch(branches, [&] { return leave_volume(p, kept, guide, region); });
+        return branch(branches, [&] { return leave_volume(p, set, kept, guide, region); });
     }
 
     /// Goes on from a point in a volume.
-    bool leave_volume(Vec3f p, const PhaseMixture& phase, const Guide& guide, const FieldRegion* region) {
+    bool leave_volume(Vec3f p, std::uint8_t set, const PhaseMixture& phase, const Guide& guide,
+                      const FieldRegion* region) {
         const Vec3f wo = -walk_.ray.d;
         const Vec2f u = sampler_.next2();
         Vec3f wi;
@@ -188,10 +196,14 @@ class Path : private PathLight<k> {
         walk_.guided_weight *= scatter_pdf / pdf;
         ++walk_.volume_bounces;
         const Densities densities{pdf, scatter_pdf, guide_pdf, mean(walk_.beta) * pdf / before};
-        return continue_from({p, p, wi, densities, false, kVolumeRay, FieldPart::volume}, region);
+        return continue_from({p, p, wi, densities, false, kVolumeRay, FieldPart::volume, set}, region);
     }
 
     bool meet_surface(const ShadingPoint& point) {
+        if (walk_.kind == kCameraRay && point.instance->holdout) {
+            out_.alpha = std::max(0.0f, 1 - mean(walk_.beta));
+            return false;
+        }
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
         if (!k.media && request_.features && walk_.first == First::none)
             record_surface(scene_, request_, point, walk_.clear, out_, recorded_);
@@ -242,7 +254,7 @@ class Path : private PathLight<k> {
         Densities densities = drawn_;
         densities.scattering = mean(walk_.beta) * drawn_.pdf / before;
         return continue_from({from.o, from.vertex, sample->wi, densities, sample->specular, sample->kind,
-                              part_facing(point.ng)},
+                              part_facing(point.ng), point.instance->receiver_set},
                              region);
     }
 
@@ -320,6 +332,7 @@ class Path : private PathLight<k> {
         walk_.kind = from.kind;
         walk_.history = walk_.history.after(from.kind, from.specular);
         walk_.way = LampsOnTheWay(from.vertex);
+        walk_.receiver = from.receiver;
         walk_.previous_pdf = from.densities.pdf;
         walk_.previous_specular = from.specular;
         return true;

@@ -26,6 +26,7 @@ class PathLight {
           record_(request, ws) {
         walk_.ray = ray;
         walk_.history.length = -ray.t_min;
+        walk_.way = LampsOnTheWay(ray.o, ray.t_min);
     }
 
   protected:
@@ -35,15 +36,22 @@ class PathLight {
     /// scattered tens of times there, on surfaces a few times.
     static constexpr float kMostVolumeWeight = 2, kMostSurfaceWeight = 4;
 
-    /// The first lamp that this ray sees before `end`, beyond the one it passed last. The camera sees none.
+    /// Whether there are lamps that this ray may see.
+    bool may_see_lamps() const {
+        return scene_.features().lamps && (walk_.kind != kCameraRay || scene_.features().camera_lamps);
+    }
+
+    /// The first lamp that this ray sees before `end`, beyond the one it passed last.
     LampHit nearest_lamp(float end) const {
-        if (walk_.kind == kCameraRay || !scene_.features().lamps)
+        if (!may_see_lamps())
             return {};
         return walk_.way.nearest(scene_.lights(), walk_.ray, walk_.kind, walk_.bounces, end);
     }
 
     bool pass_lamp(const LampHit& lamp) {
-        add(walk_.beta * lamp.Le * mis_weight(lamp.number, [&] { return lamp.pdf; }), From::met);
+        const float weight = mis_weight(lamp.number, [&] { return lamp.pdf; });
+        if (weight > 0)
+            add(walk_.beta * lamp.Le * tint(lamp.number, lamp.place.first) * weight, From::met);
         walk_.way.pass(lamp);
         walk_.ray.t_min = std::max(lamp.distance, walk_.ray.t_min);
         return true;
@@ -51,7 +59,8 @@ class PathLight {
 
     bool escape() {
         if (walk_.kind == kCameraRay && request_.transparent_film) {
-            out_.alpha = 1 - mean(walk_.beta);
+            add_suns();
+            out_.alpha = std::max(0.0f, 1 - mean(walk_.beta));
             return false;
         }
         add_suns();
@@ -68,23 +77,40 @@ class PathLight {
 
     /// Lamps at infinity that this direction meets.
     void add_suns() {
-        if (walk_.kind == kCameraRay || !scene_.features().lamps)
+        if (!may_see_lamps())
             return;
         const auto meet = [&](std::uint32_t number, const LightHit& hit) {
             if (hit.distance < kInfinity || !sees(scene_.lights().lamp(number), walk_.kind, walk_.bounces))
                 return;
-            add(walk_.beta * hit.Le * mis_weight(number, [&] { return hit.pdf; }), From::met);
+            add(walk_.beta * hit.Le * tint(number, kInfinity) * mis_weight(number, [&] { return hit.pdf; }),
+                From::met);
         };
-        scene_.lights().for_each_lamp_hit({walk_.ray.o, walk_.ray.d}, meet);
+        scene_.lights().for_each_lamp_hit({walk_.ray.o, walk_.ray.d, 0, kInfinity, walk_.ray.time}, meet);
+    }
+
+    /// What the lamp's nodes make of its light; distance: from the last vertex.
+    Rgb tint(std::uint32_t lamp, float distance) const {
+        if (!scene_.features().lamp_shaders)
+            return Rgb(1);
+        const Ray ray{walk_.way.vertex(), walk_.ray.d, 0, kInfinity, walk_.ray.time};
+        return scene_.lamp_tint(lamp, ray, distance, walk_.kind, walk_.history);
     }
 
     /// Weight of light that scattering found, against light sampling at the last vertex.
     template <class Pdf>
     float mis_weight(std::uint32_t light, Pdf&& pdf) const {
-        if (walk_.previous_specular || (light_visibility(scene_, light) & sampling_kind(walk_.kind)) == 0)
+        if (scene_.lights().linked() && walk_.kind != kCameraRay) {
+            const Linking& linking = scene_.lights().linking(light);
+            if (!linking.lights(walk_.receiver))
+                return 0;
+            // What may block it is known on shadow rays alone.
+            if (linking.blockers != Linking::kAll && !walk_.previous_specular)
+                return 0;
+        }
+        if (walk_.previous_specular || (light_visibility(scene_, light) & sampling_kinds(walk_.kind)) == 0)
             return 1;
-        return power_heuristic(walk_.previous_pdf,
-                               scene_.lights().selection_pdf(walk_.way.vertex(), light) * pdf());
+        const Receiver at(walk_.way.vertex(), walk_.ray.time, walk_.receiver);
+        return power_heuristic(walk_.previous_pdf, scene_.lights().selection_pdf(at, light) * pdf());
     }
 
     ShadingPoint shading(const Hit& hit) const {
@@ -117,8 +143,9 @@ class PathLight {
         return guide;
     }
 
-    void light_volume(Vec3f p, const PhaseMixture& phase, const Guide& guide) {
-        const auto direct = sample_direct(scene_, p, kVolumeRay, walk_.history, sampler_);
+    /// set: of receivers that the medium's object is in.
+    void light_volume(Vec3f p, std::uint8_t set, const PhaseMixture& phase, const Guide& guide) {
+        const auto direct = sample_direct(scene_, {p, walk_.ray.time, set}, kVolumeRay, walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;
@@ -127,12 +154,14 @@ class PathLight {
     }
 
     void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const Guide& guide) {
-        const auto direct = sample_direct(scene_, point.p, kDiffuseRay, walk_.history, sampler_);
+        const auto direct = 
+            sample_direct(scene_, {point.p, walk_.ray.time, point.instance->receiver_set}, kDiffuseRay,
+                          walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;
         bool crosses = false;
-        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf, crosses);
+        const Rgb f = bsdf.eval(point.wo, direct->light.wi, pdf, crosses, direct->kinds);
         if (is_zero(f))
             return;
         const First before = walk_.first;
@@ -150,7 +179,7 @@ class PathLight {
         const Rgb T = shadow_transmittance<without_parts(k)>(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
         if (is_zero(T))
             return;
-        const float weight = direct.light.delta ? 1 : power_heuristic(direct.light.pdf, pdf);
+        const float weight = direct.light.delta || direct.alone ? 1 : power_heuristic(direct.light.pdf, pdf);
         add(walk_.beta * f * T * direct.light.Li * (weight / direct.light.pdf), From::sampled);
     }
 

@@ -18,6 +18,7 @@ struct Walk {
     enum class First { none, surface, volume } first = First::none;  ///< event of the path
     RayHistory history;  ///< its length: what is added to that of the way and the ray
     LampsOnTheWay way;   ///< from the last vertex
+    std::uint8_t receiver = 0;  ///< set of receivers that the last vertex's object is in
     float previous_pdf = 0;
     float guided_weight = 1;        ///< what drawing directions by the field has made of beta so far
     bool previous_specular = true;  ///< the camera: nothing else could have found what it sees

@@ -114,6 +114,10 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
     history.length = -camera_ray.t_min;
     float travelled = 0;  // since the last bounce, where surfaces let the ray through
     bool volume_first = false;
+    std::uint8_t receiver = 0;
+    const auto lights_it = [&](std::uint32_t light) {
+        return kind == kCameraRay || !scene.lights().linked() || scene.lights().linking(light).lights(receiver);
+    };
     const auto add = [&](float light) { (volume_first ? out.volume : out.surface)[channel] += beta * light; };
     for (;;) {
         ++ws.counters.rays;
@@ -121,16 +125,15 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         const int bounces = surface_bounces + volume_bounces;
         const Hit hit = scene.intersect(ray, kind);
         const float end = std::min(hit.t, ray.t_max);
-        if (bounces >
-            0) {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
+        {  // lamps on the way; each needs the transmittance up to it, so each gets its own walk
             scene.lights().for_each_lamp_hit(
                 ray.part(ray.t_min, end), [&](std::uint32_t number, const LightHit& lamp) {
-                    if ((scene.lights().lamp(number).visibility & kind) == 0)
+                    if ((scene.lights().lamp(number).visibility & kind) == 0 || !lights_it(number))
                         return;
                     float ignored = 0;
                     scene.find_media(ray.part(ray.t_min, lamp.distance), kind, ws.shadow);
                     if (collide(ws.shadow, channel, rng, ws.counters, ignored).what == Collision::What::none)
-                        add(lamp.Le[channel]);
+                        add((lamp.Le * scene.lamp_tint(number, ray, lamp.distance, kind, history))[channel]);
                 });
         }
         scene.find_media(ray.part(ray.t_min, end), kind, ws.segment);
@@ -145,6 +148,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             if (bounces > settings.max_bounces || volume_bounces > settings.volume_bounces)
                 break;
             ++volume_bounces;
+            receiver = scene.receiver_set_at(ws.segment, collision.t);
             ray = {ray.at(collision.t), collision.phase.sample(-ray.d, rng.next2()), 0, kInfinity, ray.time};
             kind = kVolumeRay;
             history = history.after(kind, false);
@@ -160,10 +164,16 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
             break;
         }
         ShadingPoint point = scene.shading_point(hit, ray, kind);
+        if (kind == kCameraRay && point.instance->holdout) {
+            out.alpha = 0;
+            break;
+        }
         point.history = history;
         point.history.length += travelled + hit.t;
         const Bsdf bsdf = make_bsdf(scene.program_of(point), point, scene.textures());
-        add(bsdf.emission[channel]);
+        const std::uint32_t light = scene.light_of_instance(scene.number_of(*point.instance));
+        if (light == Scene::kNoLight || lights_it(light))
+            add(bsdf.emission[channel]);
         const auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
         if (!sample)
             break;
@@ -181,6 +191,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         if (bounces > settings.max_bounces || surface_bounces > settings.surface_bounces)
             break;
         ++surface_bounces;
+        receiver = point.instance->receiver_set;
         kind = sample->kind;
         history = history.after(kind, sample->specular);
         travelled = 0;

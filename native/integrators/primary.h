@@ -26,11 +26,11 @@ inline void record_surface(const Scene& scene, const SampleRequest& request, con
     const float alpha = clamp01(1 - mean(bsdf.transparency));
     const Vec3f seen = scene.camera().to_camera(point.p);
     if (request.mist)
-        out.mist -= (1 - request.mist->at(scene.camera().perspective() ? length(seen) : seen.z)) * alpha * clear;
+        out.mist -= (1 - request.mist->at(scene.camera().orthographic() ? seen.z : length(seen))) * alpha * clear;
     if (recorded || alpha == 0 || alpha < request.opaque_alpha)
         return;
     recorded = true;
-    out.depth = seen.z;
+    out.depth = scene.camera().depth(point.p);
     out.position = point.p + scene.textures().origin;
     out.normal = point.ns;
     out.albedo = bsdf.albedo(point.wo);

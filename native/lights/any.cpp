@@ -51,8 +51,15 @@ bool squeezed_flat(const LampDescription& lamp) {
 
 Lamp prepare_lamp(const LampDescription& description) {
     check(description);
-    Lamp lamp{description.name, PointLight{}, description.visibility, description.cast_shadow,
-              description.max_bounces};
+    Lamp lamp{description.name,        PointLight{},        description.visibility, description.cast_shadow,
+              description.max_bounces, description.linking, {}};
+    if (!description.motion.empty()) {
+        try {
+            lamp.motion = LampMotion(transform_of(description.world_from_light), description.motion);
+        } catch (const std::invalid_argument& e) {
+            reject(description, e.what());
+        }
+    }
     // As in Cycles, a lamp without extent, by its size or its object's scale, gives no light: the black point
     // stays.
     if (squeezed_flat(description))
@@ -99,6 +106,28 @@ LightBounds bounds(const SunLight& light) {
 
 LightBounds bounds_of(const AnyLight& light) {
     return std::visit([](const auto& l) { return bounds(l); }, light);
+}
+
+LightBounds bounds_of(const Lamp& lamp) {
+    const LightBounds rest = bounds_of(lamp.light);
+    if (!lamp.motion.moves() || lamp.infinite())
+        return rest;
+    LightBounds out{Vec3f(kInfinity), Vec3f(-kInfinity), rest.intensity};
+    const std::size_t steps = lamp.motion.motion().steps().size();
+    for (std::size_t step = 0; step < steps; ++step) {
+        const auto now = lamp.motion.at(static_cast<float>(step) / static_cast<float>(steps - 1));
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            const Vec3f p = now.point_from_rest({(corner & 1) ? rest.upper.x : rest.lower.x,
+                                                 (corner & 2) ? rest.upper.y : rest.lower.y,
+                                                 (corner & 4) ? rest.upper.z : rest.lower.z});
+            out.lower = min(out.lower, p);
+            out.upper = max(out.upper, p);
+        }
+    }
+    // Between two steps it turns by up to 0.04: that far its corners may leave the box (see Motion).
+    const Vec3f slack = (rest.upper - rest.lower) * 1e-3f;
+    const Vec3f margin(max_component(slack));
+    return {out.lower - margin, out.upper + margin, rest.intensity};
 }
 
 }  // namespace nephele

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "lights/area.h"
+#include "lights/lamp_motion.h"
 #include "lights/point.h"
 #include "lights/spot.h"
 #include "lights/sun.h"
@@ -20,17 +21,35 @@ struct Lamp {
     std::uint32_t visibility = ~1u;  ///< bits of RayKind: rays that see it when they hit it
     bool cast_shadow = true;         ///< false: nothing blocks it
     int max_bounces = 1024;
+    Linking linking;
+    LampMotion motion;
 
-    std::optional<LightSample> sample(Vec3f p, Vec2f u) const {
-        return std::visit([&](const auto& l) { return l.sample(p, u); }, light);
+    std::optional<LightSample> sample(const Receiver& at, Vec2f u) const {
+        if (!motion.moves())
+            return std::visit([&](const auto& l) { return l.sample(at.p, u); }, light);
+        const LampMotion::Moment now = motion.at(at.time);
+        auto s = std::visit([&](const auto& l) { return l.sample(now.point_to_rest(at.p), u); }, light);
+        if (s)
+            s->wi = now.from_rest(s->wi);
+        return s;
     }
-    float pdf(Vec3f p, Vec3f wi) const {
-        return std::visit([&](const auto& l) { return l.pdf(p, wi); }, light);
+    float pdf(const Receiver& at, Vec3f wi) const {
+        if (!motion.moves())
+            return std::visit([&](const auto& l) { return l.pdf(at.p, wi); }, light);
+        const LampMotion::Moment now = motion.at(at.time);
+        return std::visit([&](const auto& l) { return l.pdf(now.point_to_rest(at.p), now.to_rest(wi)); }, light);
     }
     std::optional<LightHit> intersect(const Ray& ray) const {
-        return std::visit([&](const auto& l) { return l.intersect(ray); }, light);
+        if (!motion.moves())
+            return std::visit([&](const auto& l) { return l.intersect(ray); }, light);
+        const LampMotion::Moment now = motion.at(ray.time);
+        Ray at_rest = ray;
+        at_rest.o = now.point_to_rest(ray.o);
+        at_rest.d = now.to_rest(ray.d);
+        return std::visit([&](const auto& l) { return l.intersect(at_rest); }, light);
     }
-    float importance(Vec3f p) const {
+    float importance(const Receiver& at) const {
+        const Vec3f p = motion.moves() ? motion.at(at.time).point_to_rest(at.p) : at.p;
         return std::visit([&](const auto& l) { return l.importance(p); }, light);
     }
     Rgb power() const {
@@ -56,5 +75,7 @@ struct LightBounds {
     float intensity = 0;
 };
 LightBounds bounds_of(const AnyLight& light);
+/// The same of a lamp, wherever it goes while the shutter is open.
+LightBounds bounds_of(const Lamp& lamp);
 
 }  // namespace nephele

@@ -8,12 +8,15 @@
 //     (pi sin^2(angle/2)), which gives the irradiance P at normal incidence; angle 0: delta
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/light.h"
 #include "math/transform.h"
+#include "shading/program.h"
 
 namespace nephele {
 
@@ -38,6 +41,10 @@ struct LampDescription {
     std::uint32_t visibility = ~1u;
     bool cast_shadow = true;
     int max_bounces = 1024;
+    float random = 0;  ///< of its object, in [0, 1]
+    Linking linking;
+    std::optional<Program> program;  ///< its emission scales the radiance; none: 1
+    std::vector<std::array<double, 16>> motion;  ///< of world_from_light over the shutter; empty: it stands
 
     Vec3f position() const { return transform_of(world_from_light).translation; }
     /// Unit vector along local axis i.

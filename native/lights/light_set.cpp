@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/light_set.h"
 
+#include <algorithm>
 #include <array>
 
 namespace nephele {
@@ -17,7 +18,7 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
             direct_.push_back(i);
         } else {
             finite.push_back(i);
-            bounds.push_back(bounds_of(lamps_[i].light));
+            bounds.push_back(bounds_of(lamps_[i]));
         }
     }
     for (std::size_t i = 0; i < meshes_.size(); ++i) {
@@ -31,6 +32,7 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
 
     for (const std::uint32_t i : direct_)
         distant_ += importance(i, Vec3f());
+    note_linking();
     if (finite.size() > kListSize) {
         tree_ = LightTree(finite, bounds);
         in_tree_.assign(size(), false);
@@ -45,12 +47,27 @@ LightSet::LightSet(std::vector<Lamp> lamps, std::vector<MeshLight> meshes,
     }
 }
 
-float LightSet::importance(std::uint32_t light, Vec3f p) const {
+void LightSet::note_linking() {
+    const auto plain = [](const auto& light) { return light.linking.plain(); };
+    const auto mesh_plain = [](const MeshLight& light) { return light.instance().linking.plain(); };
+    if (std::all_of(lamps_.begin(), lamps_.end(), plain) &&
+        std::all_of(meshes_.begin(), meshes_.end(), mesh_plain))
+        return;
+    linking_.resize(size());
+    for (std::uint32_t i = 0; i < lamps_.size(); ++i)
+        linking_[i] = lamps_[i].linking;
+    for (std::size_t i = 0; i < meshes_.size(); ++i)
+        linking_[mesh_number(i)] = meshes_[i].instance().linking;
+}
+
+float LightSet::importance(std::uint32_t light, const Receiver& at) const {
+    if (linked() && !linking_[light].lights(at.set))
+        return 0;
     switch (kind(light)) {
         case Kind::lamp:
-            return lamp(light).importance(p);
+            return lamp(light).importance(at);
         case Kind::mesh:
-            return mesh(light).importance(p);
+            return mesh(light).importance(at.p);
         case Kind::world:
             return world_->importance();
     }
@@ -64,14 +81,15 @@ float LightSet::fluence(Vec3f p) const {
     return sum;
 }
 
-std::optional<std::uint32_t> LightSet::select(Vec3f p, double u, float& probability) const {
+std::optional<std::uint32_t> LightSet::select(const Receiver& at, double u, float& probability) const {
+    const Vec3f p = at.p;
     // Weights of the first lights are kept; more than kStored lights at infinity are weighed twice instead.
     constexpr std::size_t kStored = 2 * kListSize;
     std::array<float, kStored> stored;
     double sum = tree_.importance(p);
     const double tree_weight = sum;
     for (std::size_t i = 0; i < direct_.size(); ++i) {
-        const float w = importance(direct_[i], p);
+        const float w = importance(direct_[i], at);
         if (i < kStored)
             stored[i] = w;
         sum += w;
@@ -81,8 +99,8 @@ std::optional<std::uint32_t> LightSet::select(Vec3f p, double u, float& probabil
 
     double rest = u * sum;
     if (rest < tree_weight) {
-        const auto choice = tree_.select(p, rest / tree_weight,
-                                         [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+        const auto choice = tree_.select(
+            p, rest / tree_weight, [&](std::uint32_t l, Vec3f) { return importance(l, at); });
         if (!choice)
             return std::nullopt;
         probability = static_cast<float>(choice->probability * (tree_weight / sum));
@@ -92,7 +110,7 @@ std::optional<std::uint32_t> LightSet::select(Vec3f p, double u, float& probabil
     std::size_t chosen = direct_.size();
     double chosen_weight = 0;
     for (std::size_t i = 0; i < direct_.size(); ++i) {
-        const double w = i < kStored ? stored[i] : importance(direct_[i], p);
+        const double w = i < kStored ? stored[i] : importance(direct_[i], at);
         if (w > 0) {  // rounding at the end of the list stays on a light with a chance
             chosen = i;
             chosen_weight = w;
@@ -107,22 +125,23 @@ std::optional<std::uint32_t> LightSet::select(Vec3f p, double u, float& probabil
     return direct_[chosen];
 }
 
-float LightSet::selection_pdf(Vec3f p, std::uint32_t light) const {
+float LightSet::selection_pdf(const Receiver& at, std::uint32_t light) const {
+    const Vec3f p = at.p;
     const double tree_weight = tree_.importance(p);
     double sum = tree_weight;
     bool listed = false;
     for (const std::uint32_t i : direct_) {
-        sum += importance(i, p);
+        sum += importance(i, at);
         listed |= i == light;
     }
     if (!(sum > 0))
         return 0;
     if (listed)
-        return static_cast<float>(importance(light, p) / sum);
+        return static_cast<float>(importance(light, at) / sum);
     if (light >= in_tree_.size() || !in_tree_[light])
         return 0;
     const float within =
-        tree_.probability(p, light, [this](std::uint32_t l, Vec3f q) { return importance(l, q); });
+        tree_.probability(p, light, [&](std::uint32_t l, Vec3f) { return importance(l, at); });
     return static_cast<float>(within * (tree_weight / sum));
 }
 

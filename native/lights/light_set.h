@@ -47,10 +47,15 @@ class LightSet {
     std::uint32_t mesh_number(std::size_t i) const { return static_cast<std::uint32_t>(lamps_.size() + i); }
     std::uint32_t world_number() const { return static_cast<std::uint32_t>(lamps_.size() + meshes_.size()); }
 
-    /// A light's number for u in [0,1), with its probability; none where no light can contribute at p.
-    std::optional<std::uint32_t> select(Vec3f p, double u, float& probability) const;
-    /// Probability with which `select` returns this light at p.
-    float selection_pdf(Vec3f p, std::uint32_t light) const;
+    /// A light's number for u in [0,1), with its probability; none where no light can contribute there.
+    std::optional<std::uint32_t> select(const Receiver& at, double u, float& probability) const;
+    /// Probability with which `select` returns this light there.
+    float selection_pdf(const Receiver& at, std::uint32_t light) const;
+
+    /// Whether any light does not shine on everything, or not through everything.
+    bool linked() const { return !linking_.empty(); }
+    /// Of any light; only where some are linked.
+    const Linking& linking(std::uint32_t light) const { return linking_[light]; }
 
     /// Estimate of the fluence rate at p from all lights, nothing in the way, W/m^2.
     float fluence(Vec3f p) const;
@@ -65,7 +70,8 @@ class LightSet {
     void for_each_lamp_hit(const Ray& ray, Found&& found) const;
 
   private:
-    float importance(std::uint32_t light, Vec3f p) const;
+    float importance(std::uint32_t light, const Receiver& at) const;
+    void note_linking();
 
     std::vector<Lamp> lamps_;
     std::vector<MeshLight> meshes_;
@@ -76,6 +82,7 @@ class LightSet {
     std::vector<LightBounds> near_;        // of the lights of finite size
     float distant_ = 0;
     std::vector<bool> in_tree_;
+    std::vector<Linking> linking_;  // by light; empty: all shine on everything
 };
 
 template <typename Found>

@@ -5,6 +5,7 @@
 
 #include "lights/ball.h"
 #include "lights/lamp_description.h"
+#include "math/pose.h"
 
 namespace nephele {
 
@@ -17,9 +18,12 @@ inline Rgb ball_emission(const LampDescription& lamp) {
 struct PointLight {
     Ball ball;
     Rgb emission;  ///< W/(m^2 sr); W/sr where the radius is 0
+    Pose axes;     ///< of its object
 
     static PointLight prepare(const LampDescription& lamp) {
-        return {{lamp.position(), lamp.radius, !lamp.soft_falloff}, ball_emission(lamp)};
+        return {{lamp.position(), lamp.radius, !lamp.soft_falloff},
+                ball_emission(lamp),
+                Pose(transform_of(lamp.world_from_light))};
     }
 
     bool delta() const { return ball.radius == 0; }

@@ -66,6 +66,8 @@ void check(const CameraDescription& camera) {
         reject("its aperture ratio must be above 0");
     if (camera.blades != 0 && camera.blades < 3)
         reject("its aperture must have 0 blades, or 3 or more");
+    if (camera.kind == CameraDescription::Kind::panoramic && !camera.panorama.finite())
+        reject("its lens is not finite; check its panorama's values");
     if (camera.aperture_radius > 0 && !(camera.focus_distance > 0))
         reject("its focus distance must be above 0 m");
 }
@@ -76,6 +78,7 @@ Camera::Camera(const CameraDescription& d)
     : kind_(d.kind),
       world_from_camera_(without_scale(d)),
       motion_(motion_without_scale(d)),
+      panorama_(d.panorama),
       left_(d.left),
       right_(d.right),
       bottom_(d.bottom),
@@ -109,10 +112,11 @@ Vec2f Camera::sample_lens(Vec2f u) const {
 }
 
 Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size, float time) const {
-    const auto x =
-        static_cast<float>(left_ + (right_ - left_) * (double{film_position.x} / double{film_size.x}));
-    const auto y =
-        static_cast<float>(bottom_ + (top_ - bottom_) * (double{film_position.y} / double{film_size.y}));
+    const double film_x = left_ + (right_ - left_) * (double{film_position.x} / double{film_size.x});
+    const double film_y = bottom_ + (top_ - bottom_) * (double{film_position.y} / double{film_size.y});
+    if (kind_ == CameraDescription::Kind::panoramic)
+        return placed(panoramic_ray(film_x, film_y, lens_u), time);
+    const auto x = static_cast<float>(film_x), y = static_cast<float>(film_y);
     Vec3f o = perspective() ? Vec3f(0) : Vec3f(x, y, 0);
     Vec3f d = perspective() ? Vec3f(x, y, -1) : Vec3f(0, 0, -1);
     if (aperture_radius_ > 0) {
@@ -124,19 +128,42 @@ Ray Camera::generate(Vec2f film_position, Vec2f lens_u, Vec2f film_size, float t
     }
     d = normalize(d);
     const float per_depth = -1 / d.z;
-    Ray ray;
-    ray.time = time;
+    return placed({o, d, clip_start_ * per_depth, clip_end_ * per_depth}, time);
+}
+
+/// A ray of the camera's space, in the world at a time.
+Ray Camera::placed(const Ray& ray, float time) const {
+    Ray out = ray;
+    out.time = time;
     const auto place = [&](const Transform& world_from_camera) {
-        ray.o = world_from_camera.point(o);
-        ray.d = normalize(world_from_camera.vector(d));
+        out.o = world_from_camera.point(ray.o);
+        out.d = normalize(world_from_camera.vector(ray.d));
     };
     if (motion_.moves())
         place(motion_.at(time));
     else
         place(world_from_camera_);
-    ray.t_min = clip_start_ * per_depth;
-    ray.t_max = clip_end_ * per_depth;
-    return ray;
+    return out;
+}
+
+/// In the camera's space. The lens faces each direction.
+Ray Camera::panoramic_ray(double x, double y, Vec2f lens_u) const {
+    const auto seen = panorama_.direction(x, y);
+    if (!seen)
+        return {Vec3f(0), Vec3f(0, 0, -1), 1, 0};
+    Vec3f o(0), d = *seen;
+    if (aperture_radius_ > 0) {
+        const Vec2f lens = sample_lens(lens_u);
+        const Vec3f right = safe_normalize(std::fabs(d.y) < 0.999f ? cross(d, Vec3f(0, 1, 0)) : Vec3f(1, 0, 0));
+        o = right * lens.x + cross(right, d) * lens.y;
+        d = normalize(d * focus_distance_ - o);
+    }
+    return {o, d, clip_start_, clip_end_};
+}
+
+float Camera::depth(Vec3f world_point) const {
+    const Vec3f v = to_camera(world_point);
+    return kind_ == CameraDescription::Kind::panoramic ? length(v) : v.z;
 }
 
 Vec3f Camera::to_camera(Vec3f world_point) const {

@@ -57,6 +57,7 @@ struct VolumeSource {
     Vec3f generated_min{-1}, generated_size{2};  ///< box of generated coordinates, file's space
     float random = 0, pass_index = 0;
     std::array<float, 4> color{1, 1, 1, 1};
+    std::uint8_t receiver_set = 0, blocker_set = 0;  ///< see Linking
 };
 
 struct WorldSource {
@@ -77,6 +78,7 @@ struct SceneSource {
     float pixel_width = 0.001f;                 ///< on the viewplane
     std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
+    std::vector<float> shutter_curve;  ///< times in [0, 1] that divide the light into equal parts; empty: even
 };
 
 /// What a scene holds, decided once: the integrator is specialised by it.
@@ -95,6 +97,11 @@ struct SceneFeatures {
     bool lamps = false;
     bool mesh_lights = false;
     bool background = false;
+    bool camera_lamps = false;    ///< the camera sees some lamp
+    bool lamp_shaders = false;    ///< node trees tint some lamp
+    bool light_linking = false;   ///< some light does not shine on everything
+    bool shadow_linking = false;  ///< some light shines through something
+    bool holdouts = false;        ///< some object is a hole in the picture
     bool motion = false;  ///< something moves while the shutter is open: paths have a time
 
     /// Names of the features that are there (present) or left out.
@@ -105,6 +112,13 @@ struct SceneFeatures {
 struct VolumeObject {
     Instance instance;
     Mesh mesh;  ///< without triangles: the box of generated coordinates
+};
+
+/// A lamp as its node tree sees it.
+struct LampShader {
+    Program program;
+    Instance instance;
+    Mesh mesh;  ///< one triangle, whose barycentric coordinates are texture coordinates
 };
 
 /// A grid that was loaded, for statistics.
@@ -129,10 +143,14 @@ class Scene {
 
     /// Nearest surface in the ray that rays of this kind see.
     Hit intersect(const Ray& ray, std::uint32_t ray_kind) const;
-    /// Light that the surfaces along the ray let through; 0 where an opaque one is in the way.
-    Rgb surface_transmittance(const Ray& ray) const;
+    /// Light that the surfaces along the ray let through; 0 where an opaque one is in the way. blockers: see
+    /// Linking.
+    Rgb surface_transmittance(const Ray& ray, std::uint64_t blockers = Linking::kAll) const;
     /// The media along the ray.
-    void find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const;
+    void find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out,
+                    std::uint64_t blockers = Linking::kAll) const;
+    /// Of the object whose medium is at t of a segment that find_media made; 0 where none is.
+    std::uint8_t receiver_set_at(const Segment& segment, float t) const;
 
     ShadingPoint shading_point(const Hit& hit, const Ray& ray, std::uint32_t ray_kind) const;
     /// Where a ray leaves a surface: the vertex of the path, and the ray's origin a little off the surface.
@@ -148,6 +166,11 @@ class Scene {
     const TextureContext& textures() const { return textures_; }
     /// Radiance of the background seen in direction d by rays of this kind.
     Rgb background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history = {}) const;
+    /// What a lamp's node tree makes of its radiance along the ray, which meets it at `distance`.
+    Rgb lamp_tint(std::uint32_t lamp, const Ray& ray, float distance, std::uint32_t ray_kind,
+                  const RayHistory& history) const;
+    /// The time of the shutter that a random number in [0, 1) stands for.
+    float shutter_time(float u) const;
     std::uint32_t world_visibility() const { return source_.world.visibility; }
     static constexpr std::uint32_t kNoLight = ~0u;
     /// Number of the light that an instance's emissive triangles are, or kNoLight.
@@ -176,6 +199,7 @@ class Scene {
     void add_lights_of_meshes(std::vector<MeshLight>& lights, std::size_t lamps);
     void add_volumes();
     void add_lights();
+    void add_lamp_shader(const LampDescription& lamp);
     // scene_media.cpp
     Medium constant_medium(const VolumeClosure& closure, float scale) const;
     Medium program_medium(const VolumeClosure& closure, float scale, VolumeFields fields,
@@ -203,6 +227,7 @@ class Scene {
     std::shared_ptr<const Intersector> dielectrics_;  ///< objects with a dielectric priority
     std::optional<Camera> camera_;
     LightSet lights_;
+    std::vector<std::shared_ptr<const LampShader>> lamp_shaders_;  ///< by lamp; null: none
     TextureContext textures_;
     std::vector<ImageBounds> image_bounds_;  ///< made when a volume's program asks first
     std::deque<VolumeObject>

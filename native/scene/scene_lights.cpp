@@ -29,8 +29,10 @@ std::pair<int, int> world_resolution(const Program& program, const std::vector<I
 
 void Scene::add_lights() {
     std::vector<Lamp> lamps;
-    for (const LampDescription& d : source_.lamps)
+    for (const LampDescription& d : source_.lamps) {
         lamps.push_back(prepare_lamp(d));
+        add_lamp_shader(d);
+    }
 
     std::vector<MeshLight> mesh_lights;
     add_lights_of_meshes(mesh_lights, lamps.size());
@@ -49,6 +51,26 @@ void Scene::add_lights() {
         });
     }
     lights_ = LightSet(std::move(lamps), std::move(mesh_lights), std::move(world));
+}
+
+void Scene::add_lamp_shader(const LampDescription& lamp) {
+    lamp_shaders_.emplace_back();
+    if (!lamp.program)
+        return;
+    naming("light '" + lamp.name + "'", [&] { validate(*lamp.program, source_.images.size()); });
+    auto shader = std::make_shared<LampShader>();
+    shader->program = *lamp.program;
+    shader->instance.name = lamp.name;
+    // Its scale is its size, which node trees do not see.
+    const Pose axes(transform_of(lamp.world_from_light));
+    const double m[16] = {axes.x.x, axes.y.x, axes.z.x, axes.origin.x, axes.x.y, axes.y.y, axes.z.y, axes.origin.y,
+                          axes.x.z, axes.y.z, axes.z.z, axes.origin.z, 0,        0,        0,        1};
+    shader->instance.world_from_object = transform_of(m);
+    shader->instance.object_from_world = inverse_of(m);
+    shader->instance.random = lamp.random;
+    shader->mesh.generated_min = Vec3f(0);
+    shader->mesh.generated_size = Vec3f(1);
+    lamp_shaders_.back() = std::move(shader);
 }
 
 /// The instances whose materials emit, numbered after the lamps.
@@ -117,8 +139,21 @@ void Scene::decide_features() {
     }
     f.motion |= camera_->moves();  // and where a volume moves or has velocities
     for (const Instance& instance : source_.instances)
+    {
         f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
+        f.holdouts |= instance.holdout;
+    }
     f.lamps = !lights_.lamps().empty();
+    for (std::uint32_t i = 0; i < lights_.lamps().size(); ++i) {
+        const Lamp& lamp = lights_.lamp(i);
+        f.camera_lamps |= (lamp.visibility & kCameraRay) != 0 && !lamp.delta();
+        f.lamp_shaders |= lamp_shaders_[i] != nullptr;
+        f.motion |= lamp.motion.moves();
+    }
+    for (std::uint32_t i = 0; lights_.linked() && i < lights_.size(); ++i) {
+        f.light_linking |= lights_.linking(i).receivers != Linking::kAll;
+        f.shadow_linking |= lights_.linking(i).blockers != Linking::kAll;
+    }
     f.mesh_lights = !lights_.meshes().empty();
     f.background = lights_.world() != nullptr && !lights_.world()->black();
 }
@@ -144,6 +179,11 @@ constexpr FeatureName kFeatureNames[] = {
     {"lamps", &SceneFeatures::lamps},
     {"mesh lights", &SceneFeatures::mesh_lights},
     {"background", &SceneFeatures::background},
+    {"lamps that the camera sees", &SceneFeatures::camera_lamps},
+    {"lamp shaders", &SceneFeatures::lamp_shaders},
+    {"light linking", &SceneFeatures::light_linking},
+    {"shadow linking", &SceneFeatures::shadow_linking},
+    {"holdouts", &SceneFeatures::holdouts},
     {"motion", &SceneFeatures::motion},
 };
 

@@ -118,6 +118,8 @@ void Scene::add_region(Region region, std::vector<Medium> media) {
 void Scene::add_mesh_region(const Instance& instance, const std::vector<VolumeClosure>& closures) {
     const Mesh& mesh = source_.meshes[instance.mesh];
     Region region(instance.name, Region::Kind::mesh, instance.visibility);
+    region.receiver_set = instance.receiver_set;
+    region.blocker_set = instance.blocker_set;
     std::vector<Medium> media;
     for (const VolumeClosure& c : closures) {  // a mesh has no grids: the factor is 1
         if (!c.program) {

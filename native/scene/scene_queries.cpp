@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "film/matte.h"
+#include "lights/lamp_point.h"
 #include "scene/nesting.h"
 #include "scene/reach.h"
 #include "scene/scene.h"
@@ -23,11 +24,13 @@ struct Scene::SurfaceFilter final : HitFilter {
 struct Scene::TransmittanceFilter final : HitFilter {
     const Scene& scene;
     const Ray& ray;
+    std::uint64_t blockers;
     Rgb transmittance{1};
 
-    TransmittanceFilter(const Scene& s, const Ray& r) : scene(s), ray(r) {}
+    TransmittanceFilter(const Scene& s, const Ray& r, std::uint64_t b) : scene(s), ray(r), blockers(b) {}
     bool accept(const Hit& hit, bool) override {
-        if (!scene.is_surface(hit, kShadowRay))
+        if (!scene.is_surface(hit, kShadowRay) ||
+            !blocks(blockers, scene.source_.instances[hit.instance].blocker_set))
             return false;
         transmittance *= scene.transparency(hit, ray);
         return is_zero(transmittance);
@@ -66,18 +69,19 @@ Hit Scene::intersect(const Ray& ray, std::uint32_t ray_kind) const {
     return features_.nested_dielectrics ? nearest_interface(ray, ray_kind, hit) : hit;
 }
 
-Rgb Scene::surface_transmittance(const Ray& ray) const {
+Rgb Scene::surface_transmittance(const Ray& ray, std::uint64_t blockers) const {
     Rgb T(1);
-    if (!surfaces_->empty() && !features_.hidden_surfaces && !features_.transparent_surfaces) {
+    if (!surfaces_->empty() && !features_.hidden_surfaces && !features_.transparent_surfaces &&
+        blockers == Linking::kAll) {
         T = Rgb(surfaces_->occluded(ray) ? 0.0f : 1.0f);
     } else if (!surfaces_->empty()) {
-        TransmittanceFilter filter(*this, ray);
+        TransmittanceFilter filter(*this, ray, blockers);
         T = surfaces_->occluded(ray, &filter) ? Rgb(0) : filter.transmittance;
     }
     return features_.nested_dielectrics && !is_zero(T) ? T * interface_transmittance(ray) : T;
 }
 
-void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) const {
+void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out, std::uint64_t blockers) const {
     out.ray = ray;
     out.ray_kind = ray_kind;
     out.intervals.clear();
@@ -94,7 +98,8 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
         return static_cast<std::uint32_t>(out.rests.size() - 1);
     };
     for (const Region& region : regions_) {
-        if ((region.visibility & ray_kind) == 0 || region.kind == Region::Kind::mesh)
+        if ((region.visibility & ray_kind) == 0 || region.kind == Region::Kind::mesh ||
+            !blocks(blockers, region.blocker_set))
             continue;
         Vec2f span{ray.t_min, ray.t_max};
         const std::uint32_t rest = rest_of(region);
@@ -119,6 +124,10 @@ void Scene::find_media(const Ray& ray, std::uint32_t ray_kind, Segment& out) con
         const Crossing* const last =
             std::find_if(first, end, [&](const Crossing& c) { return c.instance != first->instance; });
         const Region& region = regions_[region_of_instance_[first->instance]];
+        if (!blocks(blockers, region.blocker_set)) {
+            first = last;
+            continue;
+        }
         const auto media = media_of(region);
         const std::uint32_t rest = rest_of(region);
         const int priority = source_.instances[first->instance].dielectric_priority;
@@ -234,6 +243,49 @@ Rgb Scene::background(Vec3f d, std::uint32_t ray_kind, const RayHistory& history
     point.ray_kind = ray_kind;
     point.history = history;
     return evaluate_emission(*source_.world.background, point, textures_);
+}
+
+std::uint8_t Scene::receiver_set_at(const Segment& segment, float t) const {
+    for (const Interval& i : segment.intervals) {
+        if (i.t0 <= t && t <= i.t1)
+            return regions_[i.medium->region].receiver_set;
+    }
+    return 0;
+}
+
+Rgb Scene::lamp_tint(std::uint32_t lamp, const Ray& ray, float distance, std::uint32_t ray_kind,
+                     const RayHistory& history) const {
+    const LampShader* shader = lamp_shaders_[lamp].get();
+    if (shader == nullptr)
+        return Rgb(1);
+    const LampMotion& motion = lights_.lamp(lamp).motion;
+    Vec3f o = ray.o, d = ray.d;
+    if (motion.moves()) {
+        const LampMotion::Moment now = motion.at(ray.time);
+        o = now.point_to_rest(o);
+        d = now.to_rest(d);
+    }
+    const LampPoint on = lamp_point(lights_.lamp(lamp).light, o, d, distance);
+    ShadingPoint point;
+    point.p = on.p;
+    point.ng = point.ns = on.n;
+    point.wo = -d;
+    point.object_p = shader->instance.object_from_world.point(on.p);
+    point.barycentric = {on.uv.x, on.uv.y, 1 - on.uv.x - on.uv.y};
+    point.instance = &shader->instance;
+    point.mesh = &shader->mesh;
+    point.ray_kind = ray_kind;
+    point.history = history;
+    point.history.length = std::min(distance, 1e18f);
+    return max(evaluate_emission(shader->program, point, textures_), Rgb(0));
+}
+
+float Scene::shutter_time(float u) const {
+    const std::vector<float>& curve = source_.shutter_curve;
+    if (curve.empty())
+        return u;
+    const MotionPlace at(u, curve.size());
+    return curve[at.step] + (curve[at.step + 1] - curve[at.step]) * at.fraction;
 }
 
 std::size_t Scene::hierarchy_bytes() const {

@@ -201,6 +201,8 @@ class Scene::VolumeBuilder {
 
     Region make_region() const {
         Region region(volume_.name, Region::Kind::box, volume_.visibility);
+        region.receiver_set = volume_.receiver_set;
+        region.blocker_set = volume_.blocker_set;
         if (object_.instance.motion.moves())
             region.mover = &object_.instance;
         return region;

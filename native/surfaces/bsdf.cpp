@@ -42,7 +42,9 @@ void Bsdf::finish(Vec3f wo) {
         lobe(i).probability *= scale;
 }
 
-Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const {
+Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses, std::uint32_t kinds) const {
+    constexpr std::uint32_t kScattered = kDiffuseRay | kGlossyRay | kTransmissionRay;
+    const bool all = (kinds & kScattered) == kScattered;
     pdf = 0;
     crosses = false;
     Rgb same_side, beyond;
@@ -54,7 +56,10 @@ Rgb Bsdf::eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const {
         const Vec3f local_wo = l.frame.to_local(wo);
         const LobeValue value =
             std::visit([&](const auto& m) { return m.eval(local_wo, local_wi); }, l.model);
-        (leaves_beyond(l, wi, local_wi.z) ? beyond : same_side) += l.weight * value.f;
+        const bool counts =
+            all || (std::visit([&](const auto& m) { return m.kind(local_wi); }, l.model) & kinds) != 0;
+        if (counts)
+            (leaves_beyond(l, wi, local_wi.z) ? beyond : same_side) += l.weight * value.f;
         pdf += l.probability * value.pdf;
     }
     // Lobes may disagree about a direction near the horizon: the greater share decides.

@@ -32,7 +32,8 @@ class Bsdf {
     /// angle; it holds the probability of choosing each smooth lobe among all lobes, specular and
     /// straight-through ones included. crosses: whether wi leaves on the other side of the surface than wo;
     /// see leaves_beyond.
-    Rgb eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses) const;
+    /// kinds: of rays whose lobes count in f; the density is that of all.
+    Rgb eval(Vec3f wo, Vec3f wi, float& pdf, bool& crosses, std::uint32_t kinds = ~0u) const;
 
     /// Draws a direction. Straight-through samples have wi = -wo, specular = true and kind = 0: the ray keeps
     /// its kind and has not bounced. Returns nothing where the chosen lobe absorbs.

@@ -69,8 +69,30 @@ def test_no_blades_are_a_circle(camera, export):
     assert export().camera.blades == 0
 
 
-def test_panorama_is_an_error(camera, export):
-    camera.data.type = "PANO"
+@pytest.mark.parametrize(
+    ("kind", "lens", "values"),
+    [
+        ("EQUIRECTANGULAR", "equirectangular", (-3.0, 2.0, -1.0, 0.5)),
+        ("FISHEYE_EQUIDISTANT", "fisheye_equidistant", (2.5,)),
+        ("FISHEYE_EQUISOLID", "fisheye_equisolid", (2.5, 9.0, 36.0, 18.0)),
+        ("MIRRORBALL", "mirror_ball", ()),
+    ],
+)
+def test_panorama(bpy, camera, export, kind, lens, values):
+    data, render = camera.data, bpy.context.scene.render
+    render.resolution_x, render.resolution_y = 200, 100
+    data.type = "PANO"
+    data.panorama_type, data.fisheye_fov, data.fisheye_lens, data.sensor_width = kind, 2.5, 9.0, 36.0
+    data.longitude_min, data.longitude_max, data.latitude_min, data.latitude_max = -3.0, 2.0, -1.0, 0.5
+    data.shift_x = 0.25
+    result = export().camera
+    assert (result.kind, result.lens) == ("panoramic", lens)
+    assert result.lens_values == pytest.approx(values)
+    assert result.viewplane == (0.25, 1.25, 0.0, 1.0)
+
+
+def test_an_own_lens_is_an_error(camera, export):
+    camera.data.type = "CUSTOM"
     with pytest.raises(ExportError, match=r"unsupported camera: 'Camera'.*Perspective"):
         export()
 

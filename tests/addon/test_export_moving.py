@@ -145,13 +145,28 @@ def test_instances_of_a_collection_move_apart(bpy, triangle, link, final):
     assert places(moving) == [[4.5, 1, 0], [5, 1, 0], [5.5, 1, 0]]
 
 
-def test_lamps_that_move_are_named(bpy, triangle, link, final):
+def test_lamps_move(bpy, triangle, link, final):
     lamp = link("Lamp", bpy.data.lights.new("Lamp", "POINT"))
     animate(lamp, "location", {0: (0, 0, 0), 10: (10, 0, 0)})
     scene = final()
-    assert scene.warnings == (
-        "light 'Lamp': it moves while the shutter is open; it is shown as it stands at the frame",
-    )
+    assert scene.warnings == ()
+    assert places(scene.lights[0].motion) == [[4.5, 0, 0], [5, 0, 0], [5.5, 0, 0]]
+
+
+def test_lamps_that_grow_are_named(bpy, triangle, link, final):
+    lamp = link("Lamp", bpy.data.lights.new("Lamp", "AREA"))
+    animate(lamp, "scale", {0: (1, 1, 1), 10: (3, 3, 3)})
+    assert any("light 'Lamp': its scale changes" in text for text in final().warnings)
+
+
+def test_curves_deform(bpy, link, final):
+    data = bpy.data.hair_curves.new("Hair")
+    data.add_curves([2])
+    data.attributes["position"].data.foreach_set("vector", [0, 0, 0, 0, 0, 1])
+    item = link("Hair", data)
+    animate(item, "location", {0: (0, 0, 0), 10: (10, 0, 0)})
+    (instance,) = (i for i in final().instances if i.name == "Hair")
+    assert places(instance.motion) == [[4.5, 0, 0], [5, 0, 0], [5.5, 0, 0]]
 
 
 @pytest.fixture

@@ -185,13 +185,13 @@ TEST(LightSet, NumbersAndKinds) {
 TEST(LightSet, DarkOnesAreNeverChosen) {
     float probability = 0;
     EXPECT_TRUE(LightSet().empty());
-    EXPECT_FALSE(LightSet().select({}, 0.5f, probability));
+    EXPECT_FALSE(LightSet().select(Vec3f{}, 0.5f, probability));
     const auto black = std::make_shared<EnvironmentLight>([](Vec3f) { return Rgb(0); }, 4, 2);
     const LightSet dark({prepare_lamp(lamp_of(Kind::point, 0))}, {}, black);
     EXPECT_TRUE(dark.empty());
-    EXPECT_FALSE(dark.select({0, 0, 1}, 0.5f, probability));
-    EXPECT_EQ(dark.selection_pdf({0, 0, 1}, 0), 0);
-    EXPECT_EQ(dark.selection_pdf({0, 0, 1}, dark.world_number()), 0);
+    EXPECT_FALSE(dark.select(Vec3f{0, 0, 1}, 0.5f, probability));
+    EXPECT_EQ(dark.selection_pdf(Vec3f{0, 0, 1}, 0), 0);
+    EXPECT_EQ(dark.selection_pdf(Vec3f{0, 0, 1}, dark.world_number()), 0);
 }
 
 TEST(LightSet, SurvivesCoincidencesAndHugeRanges) {
@@ -225,8 +225,8 @@ TEST(LightSet, ParallelBeamsReachFar) {  // a beam does not thin out, so a tree 
     std::vector<Lamp> lamps = scattered(40, 5, 10);
     lamps.push_back(hanging(Kind::area, area(1, 1, false, 0)));
     const LightSet lights(std::move(lamps), {}, nullptr);
-    EXPECT_GT(lights.selection_pdf({0.1f, 0.1f, -1e5f}, 40), 0.9f);
-    EXPECT_EQ(lights.selection_pdf({3, 0, -10}, 40), 0);
+    EXPECT_GT(lights.selection_pdf(Vec3f{0.1f, 0.1f, -1e5f}, 40), 0.9f);
+    EXPECT_EQ(lights.selection_pdf(Vec3f{3, 0, -10}, 40), 0);
 }
 
 }  // namespace

@@ -295,7 +295,7 @@ TEST(LampConsistency, DeltaLampsCannotBeHit) {
         const Lamp lamp = prepare_lamp(d);
         EXPECT_TRUE(lamp.delta());
         EXPECT_FALSE(lamp.intersect({{0, 0, 0}, kUp}));
-        const auto s = lamp.sample({0, 0, 0}, {0.3f, 0.7f});
+        const auto s = lamp.sample(Vec3f{0, 0, 0}, {0.3f, 0.7f});
         ASSERT_TRUE(s);
         EXPECT_TRUE(s->delta);
         EXPECT_EQ(s->pdf, 1);
@@ -319,7 +319,7 @@ TEST(LampNumbers, NothingIsEverNonFinite) {
             ASSERT_TRUE(is_finite(s->Li / s->pdf));
             ASSERT_GT(weight, 0) << "a lamp that contributes has importance";
         }
-        const auto at_center = lamp.sample({0, 0, 2}, {0.5f, 0.5f});
+        const auto at_center = lamp.sample(Vec3f{0, 0, 2}, {0.5f, 0.5f});
         EXPECT_TRUE(!at_center || (is_finite(at_center->wi) && is_finite(at_center->Li / at_center->pdf)));
     }
 }
@@ -356,9 +356,9 @@ TEST(LampPreparation, LampsWithoutExtentAreDark) {
 TEST(LampPreparation, MirroredAreaLampsStillShineAlongMinusZ) {
     LampDescription d = lamp_of(Kind::area);
     place(d, {0, 0, 2}, {}, {-1, 1, 1});
-    EXPECT_TRUE(prepare_lamp(d).sample({0, 0, 0}, {0.5f, 0.5f}));
+    EXPECT_TRUE(prepare_lamp(d).sample(Vec3f{0, 0, 0}, {0.5f, 0.5f}));
     place(d, {0, 0, 2}, {}, {1, 1, -1});
-    EXPECT_FALSE(prepare_lamp(d).sample({0, 0, 0}, {0.5f, 0.5f}));
+    EXPECT_FALSE(prepare_lamp(d).sample(Vec3f{0, 0, 0}, {0.5f, 0.5f}));
 }
 
 TEST(LampPreparation, FaultsNameTheLamp) {
