@@ -51,7 +51,7 @@ class PathLight {
 
     bool escape() {
         if (walk_.kind == kCameraRay && request_.transparent_film) {
-            out_.alpha = 1 - mean(walk_.beta);
+            out_.alpha -= mean(walk_.beta);
             return false;
         }
         add_suns();
