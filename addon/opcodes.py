@@ -165,7 +165,26 @@ CLOSURES = {
         "base_color", "metallic", "roughness", "ior", "alpha", "normal", "specular_ior_level", "specular_tint",
         "transmission_weight", "coat_weight", "coat_roughness", "coat_ior", "coat_tint", "coat_normal",
         "sheen_weight", "sheen_roughness", "sheen_tint", "emission_color", "emission_strength",
+        "diffuse_roughness", "anisotropic", "anisotropic_rotation", "tangent",
+        "subsurface_weight", "subsurface_radius", "subsurface_scale", "subsurface_ior", "subsurface_anisotropy",
+        "thin_film_thickness", "thin_film_ior",
     ),
+    "brushed": ("color", "roughness", "anisotropy", "rotation", "normal", "tangent"),
+    "metal": (
+        "base_color", "edge_tint", "roughness", "anisotropy", "rotation", "normal", "tangent",
+        "thin_film_thickness", "thin_film_ior",
+    ),
+    "conductor": (
+        "ior", "extinction", "roughness", "anisotropy", "rotation", "normal", "tangent",
+        "thin_film_thickness", "thin_film_ior",
+    ),
+    "filmed_glass": ("color", "roughness", "ior", "normal", "thin_film_thickness", "thin_film_ior"),
+    "sheen": ("color", "roughness", "normal"),
+    "velvet": ("color", "roughness", "normal"),
+    "toon_diffuse": ("color", "size", "smooth", "normal"),
+    "toon_glossy": ("color", "size", "smooth", "normal"),
+    "holdout": (),
+    "subsurface": ("color", "scale", "radius", "ior", "roughness", "anisotropy", "normal"),
     "plastic": ("color", "roughness", "ior", "nonlinear", "normal"),
     "medium": ("sigma_s", "sigma_a", "emission", "phase_a", "phase_b"),
 }  # fmt: skip
@@ -198,8 +217,12 @@ READS = {
 # Bits of a ray's kind, as "ray_is" tests them and as visibility masks count them.
 RAY_KINDS = ("camera", "diffuse", "glossy", "transmission", "volume", "shadow")
 
-# Microfacet distribution variants of glossy, glass, plastic and principled: the closure row's mode.
+# Microfacet distribution variants of the closures with microfacets: the closure row's mode.
 DISTRIBUTIONS = ("ggx", "multi_ggx", "beckmann")
+
+# How light enters what scatters below a surface, and what the radius means: the mode of subsurface; principled adds
+# the index times the number of distributions to its own.
+SUBSURFACE_METHODS = ("burley", "random_walk", "random_walk_skin")
 
 # Phase functions and what their parameters a and b mean: a closure's mode is the index.
 PHASES = {

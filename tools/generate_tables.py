@@ -137,6 +137,8 @@ def opcodes_header(opcodes):
         "",
         *enumeration("enum class Distribution : int", opcodes.DISTRIBUTIONS),
         f"inline constexpr int kDistributionCount = {len(opcodes.DISTRIBUTIONS)};",
+        *enumeration("enum class SubsurfaceMethod : int", opcodes.SUBSURFACE_METHODS),
+        f"inline constexpr int kSubsurfaceMethodCount = {len(opcodes.SUBSURFACE_METHODS)};",
         "",
         *enumeration("enum class ClosureKind : int", opcodes.CLOSURES),
         f"inline constexpr int kClosureKindCount = {len(opcodes.CLOSURES)};",

@@ -115,29 +115,27 @@ NODES = {
     "Shaders": {
         "AddShader": Node("Add Shader"),
         "Background": Node("Background"),
-        "BsdfAnisotropic": approximated("Glossy BSDF", "Isotropic; of the distributions GGX and Beckmann."),
+        "BsdfAnisotropic": Node("Glossy BSDF", note="Ashikhmin-Shirley's distribution is taken for GGX."),
         "BsdfDiffuse": Node("Diffuse BSDF"),
-        "BsdfGlass": approximated("Glass BSDF", "Without thin films."),
+        "BsdfGlass": Node("Glass BSDF"),
         "BsdfHair": unsupported("Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
         "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
-        "BsdfMetallic": approximated(
-            "Metallic BSDF", "Isotropic, by reflectance at normal incidence, without thin films."
-        ),
-        "BsdfPrincipled": approximated(
-            "Principled BSDF", "Isotropic, no subsurface scattering, thin films or rough diffuse."
+        "BsdfMetallic": Node("Metallic BSDF"),
+        "BsdfPrincipled": Node(
+            "Principled BSDF", note="Christensen-Burley's subsurface scattering is a random walk."
         ),
         "BsdfRayPortal": unsupported("Ray Portal BSDF", "Rays do not jump."),
         "BsdfRefraction": Node("Refraction BSDF"),
-        "BsdfSheen": unsupported("Sheen BSDF", "Only Principled BSDF has sheen."),
-        "BsdfToon": unsupported("Toon BSDF", "Not physical."),
+        "BsdfSheen": Node("Sheen BSDF"),
+        "BsdfToon": Node("Toon BSDF"),
         "BsdfTranslucent": Node("Translucent BSDF"),
         "BsdfTransparent": Node("Transparent BSDF"),
         "EeveeSpecular": unsupported("Specular BSDF", "EEVEE only."),
         "Emission": Node("Emission"),
-        "Holdout": approximated("Holdout", "Black."),
+        "Holdout": Node("Holdout", note="A hole where the film is transparent, else black."),
         "MixShader": Node("Mix Shader"),
         "ShaderToRGB": unsupported("Shader to RGB", "EEVEE only."),
-        "SubsurfaceScattering": approximated("Subsurface Scattering", "Diffuse."),
+        "SubsurfaceScattering": Node("Subsurface Scattering", note="Christensen-Burley's is a random walk."),
         "VolumeAbsorption": Node("Volume Absorption"),
         "VolumeCoefficients": Node("Volume Coefficients"),
         "VolumePrincipled": Node("Principled Volume"),

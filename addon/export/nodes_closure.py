@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Closure nodes of surfaces, the world and lights: shader trees become weighted closures of the program."""
 
-from ..opcodes import CLOSURES, DISTRIBUTIONS
+from ..opcodes import CLOSURES, DISTRIBUTIONS, SUBSURFACE_METHODS
 from .nodes_math import clamp01
-from .nodes_normal import normal_input
-from .nodes_program import ONE, ZERO, constant
+from .nodes_normal import normal_input, radial_tangent
+from .nodes_program import ONE
 from .nodes_tree import relay, upstream
 
 SOCKETS = {  # names of closure inputs -> identifiers of sockets, where they are not the words with capitals
     "ior": "IOR",
     "specular_ior_level": "Specular IOR Level",
     "coat_ior": "Coat IOR",
+    "subsurface_ior": "Subsurface IOR",
+    "thin_film_ior": "Thin Film IOR",
 }
 NORMALS = {"normal", "coat_normal"}
+MISSING = {"thin_film_ior": 1.33}  # of Blenders whose node has no such socket; 0 elsewhere
 
 SIMPLE = {  # node type -> closure
     "BSDF_DIFFUSE": "diffuse",
@@ -24,14 +27,11 @@ SIMPLE = {  # node type -> closure
     "EMISSION": "emission",
     "BACKGROUND": "emission",
     "BSDF_PRINCIPLED": "principled",
-}
-
-# Sockets that we do not honour: identifier -> what the picture lacks. They matter where linked or not zero.
-UNSUPPORTED = {
-    "Subsurface Weight": "subsurface scattering is not supported; the diffuse colour is used",
-    "Anisotropic": "anisotropic reflection is not supported; it is isotropic",
-    "Anisotropy": "anisotropic reflection is not supported; it is isotropic",
-    "Thin Film Thickness": "thin films are not supported; there is none",
+    "BSDF_METALLIC": "metal",
+    "BSDF_SHEEN": "sheen",
+    "BSDF_TOON": "toon_diffuse",
+    "SUBSURFACE_SCATTERING": "subsurface",
+    "HOLDOUT": "holdout",
 }
 
 
@@ -65,7 +65,7 @@ def compile_closures(c, socket, path, weight=ONE):
     elif node.type in SIMPLE:
         _simple(c, node, path, weight)
     else:
-        _substitute(c, node, path, weight)
+        _black(c, node)
 
 
 def _emit_color(c, socket, path, weight):
@@ -77,29 +77,62 @@ def _emit_color(c, socket, path, weight):
 
 
 def _simple(c, node, path, weight):
-    kind = SIMPLE[node.type]
-    warn_unsupported(c, node, path)
-    inputs = []
-    for name in CLOSURES[kind]:
-        identifier = socket_name(name)
-        inputs.append(
-            normal_input(c, node, identifier, path) if name in NORMALS else c.input(node, identifier, path)
-        )
+    kind = closure_kind(c, node, path)
+    inputs = [_closure_input(c, node, name, path) for name in CLOSURES[kind]]
     if kind == "emission" and (inputs[0].is_zero or inputs[1].is_zero):
         return
-    c.builder.closure(kind, weight, inputs, distribution(c, node))
+    c.builder.closure(kind, weight, inputs, closure_mode(c, node, path))
 
 
-def warn_unsupported(c, node, path):
-    """Warns about sockets in use that have no counterpart in the closures."""
-    for identifier, text in UNSUPPORTED.items():
-        socket = c.socket(node, identifier)
-        if socket is not None and not c.value(socket, path).is_zero:
-            c.warn(node, text)
-    if node.type == "BSDF_PRINCIPLED":
-        roughness = c.input(node, "Diffuse Roughness", path)
-        if not roughness.is_zero:
-            c.warn(node, "diffuse roughness is not supported; the diffuse part is Lambertian")
+def closure_kind(c, node, path):
+    """Returns the closure that a node becomes: the plainest that has all it uses."""
+
+    def uses(identifier):
+        return not c.input(node, identifier, path).is_zero
+
+    kind = SIMPLE[node.type]
+    if node.type == "BSDF_GLOSSY" and uses("Anisotropy"):
+        return "brushed"
+    if node.type == "BSDF_GLASS" and uses("Thin Film Thickness"):
+        return "filmed_glass"
+    if node.type == "BSDF_METALLIC" and node.fresnel_type == "PHYSICAL_CONDUCTOR":
+        return "conductor"
+    if node.type == "BSDF_SHEEN" and node.distribution == "ASHIKHMIN":
+        return "velvet"
+    if node.type == "BSDF_TOON" and node.component == "GLOSSY":
+        return "toon_glossy"
+    return kind
+
+
+def _closure_input(c, node, name, path):
+    """Returns the Value of a closure's input; None for a normal that is not connected and for a tangent that
+    nothing asks for."""
+    if name in NORMALS:
+        return normal_input(c, node, socket_name(name), path)
+    if name == "tangent":
+        brushed = "Anisotropic" if node.type == "BSDF_PRINCIPLED" else "Anisotropy"
+        if c.input(node, brushed, path).is_zero:
+            return None
+        linked = c.is_linked(node, "Tangent", path)
+        return c.input(node, "Tangent", path) if linked else radial_tangent(c, 2)
+    return c.input(node, socket_name(name), path, missing=MISSING.get(name, 0.0))
+
+
+def closure_mode(c, node, path):
+    """Returns the mode of a node's closure: its distribution, its subsurface method, or both."""
+    if node.type == "SUBSURFACE_SCATTERING":
+        return subsurface_method(node.falloff)
+    if node.type == "BSDF_SHEEN":
+        return 0
+    mode = distribution(c, node)
+    if node.type == "BSDF_PRINCIPLED" and not c.input(node, "Subsurface Weight", path).is_zero:
+        mode += len(DISTRIBUTIONS) * subsurface_method(node.subsurface_method)
+    return mode
+
+
+def subsurface_method(name):
+    """Returns the index in SUBSURFACE_METHODS of a Blender name."""
+    return SUBSURFACE_METHODS.index(name.lower())
 
 
 def distribution(c, node):
@@ -111,53 +144,17 @@ def distribution(c, node):
     return DISTRIBUTIONS.index(name)
 
 
-def _substitute(c, node, path, weight):
-    """Nodes without a closure of their own: the nearest one with a warning, or nothing."""
-    if node.type == "BSDF_METALLIC":
-        _metallic(c, node, path, weight)
-    elif node.type == "SUBSURFACE_SCATTERING":
-        c.warn(node, UNSUPPORTED["Subsurface Weight"])
-        inputs = (c.input(node, "Color", path), ZERO, normal_input(c, node, "Normal", path))
-        c.builder.closure("diffuse", weight, inputs)
-    elif node.type == "HOLDOUT":
-        c.warn(node, "holdout is not supported; the surface is black")
-    else:
-        c.warn(node, f"this shader ({node.bl_label}) is not supported; it is black")
+WHY_BLACK = {  # node type -> why it has no closure, and the remedy
+    "BSDF_HAIR": "hair is not rendered; use another BSDF on surfaces",
+    "BSDF_HAIR_PRINCIPLED": "hair is not rendered; use another BSDF on surfaces",
+    "BSDF_RAY_PORTAL": "rays do not jump to another place; use a Transparent BSDF or a mirror",
+    "SHADERTORGB": "Shader to RGB is EEVEE's alone; link the shader itself",
+    "EEVEE_SPECULAR": "it is EEVEE's alone; use a Principled BSDF",
+}
 
 
-def _metallic(c, node, path, weight):
-    """A conductor as the Principled BSDF's metallic part: reflectance at normal incidence and edge tint
-    (F82)."""
-    warn_unsupported(c, node, path)
-    if node.fresnel_type == "F82":
-        color, tint = c.input(node, "Base Color", path), c.input(node, "Edge Tint", path)
-    else:
-        c.warn(node, "the physical conductor is approximated by its reflectance at normal incidence")
-        color, tint = _conductor_f0(c, c.input(node, "IOR", path), c.input(node, "Extinction", path)), ONE
-    inputs = dict.fromkeys(CLOSURES["principled"], ZERO) | {
-        "base_color": color,
-        "metallic": ONE,
-        "roughness": c.input(node, "Roughness", path),
-        "ior": constant(1.5),
-        "alpha": ONE,
-        "normal": normal_input(c, node, "Normal", path),
-        "specular_ior_level": constant(0.5),
-        "specular_tint": tint,
-        "coat_ior": constant(1.5),
-        "coat_tint": ONE,
-        "coat_normal": None,
-        "sheen_roughness": constant(0.5),
-        "sheen_tint": ONE,
-    }
-    c.builder.closure("principled", weight, tuple(inputs.values()), distribution(c, node))
-
-
-def _conductor_f0(c, n, k):
-    """((n - 1)^2 + k^2) / ((n + 1)^2 + k^2)."""
-    k_squared = c.emit("multiply", k, k)
-    below, above = c.emit("subtract", n, ONE), c.emit("add", n, ONE)
-    return c.emit(
-        "divide",
-        c.emit("multiply_add", below, below, k_squared),
-        c.emit("multiply_add", above, above, k_squared),
-    )
+def _black(c, node):
+    """Warns about a node without a closure."""
+    text = f"this shader ({node.bl_label}) is not supported; it is black"
+    why = WHY_BLACK.get(node.type)
+    c.warn(node, f"{text}: {why}" if why else text)

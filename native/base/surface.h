@@ -22,6 +22,7 @@ enum RayKind : std::uint32_t {
 
 struct Instance;  // scene/scene.h
 struct Mesh;
+struct Subsurface;   // surfaces/lobes.h
 class VolumeFields;  // grids/volume_fields.h
 
 /// What led a ray to the point: bounces by kind, and how far it came since the last of them.
@@ -82,6 +83,8 @@ struct BsdfSample {
     bool specular = false;  ///< the direction has a discrete probability: light sampling cannot find it
     std::uint32_t kind = kDiffuseRay;  ///< the scattered ray's kind
     bool crosses = false;              ///< leaves on the side of the surface where wo is not
+    const Subsurface* below =
+        nullptr;  ///< the light enters along wi and scatters there: a lobe of the BSDF's
 };
 
 }  // namespace nephele

@@ -10,6 +10,7 @@
 #include "integrators/path_light.h"
 #include "integrators/primary.h"
 #include "integrators/roulette.h"
+#include "integrators/subsurface.h"
 
 namespace nephele {
 
@@ -201,7 +202,7 @@ class Path : private PathLight<k> {
 
     bool meet_surface(const ShadingPoint& point) {
         if (walk_.kind == kCameraRay && point.instance->holdout) {
-            out_.alpha = std::max(0.0f, 1 - mean(walk_.beta));
+            out_.alpha -= mean(walk_.beta);
             return false;
         }
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
@@ -211,6 +212,12 @@ class Path : private PathLight<k> {
             see_surface(point, bsdf);
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
+        if (!is_zero(bsdf.holdout) && walk_.kind == kCameraRay && request_.transparent_film)
+            out_.alpha -= mean(walk_.beta * bsdf.holdout);
+        return scatter_on_surface(point, bsdf);
+    }
+
+    bool scatter_on_surface(const ShadingPoint& point, const Bsdf& bsdf) {
         const bool exhausted =
             walk_.bounces > settings_.max_bounces || walk_.surface_bounces > settings_.surface_bounces;
         const FieldRegion* region =
@@ -249,6 +256,8 @@ class Path : private PathLight<k> {
             if constexpr (k.parts)
                 shares_ = bsdf.shares(point.wo, *sample);
         }
+        if (sample->below)
+            return emerge(point, *sample);
         ++walk_.surface_bounces;
         const auto from = scene_.departure(point, sample->wi, sample->crosses);
         Densities densities = drawn_;
@@ -256,6 +265,17 @@ class Path : private PathLight<k> {
         return continue_from({from.o, from.vertex, sample->wi, densities, sample->specular, sample->kind,
                               part_facing(point.ng), point.instance->receiver_set},
                              region);
+    }
+
+    /// Goes on from where light comes out that went below the surface.
+    [[gnu::noinline]] bool emerge(const ShadingPoint& point, const BsdfSample& entry) {
+        auto out = walk_below(scene_, point, *entry.below, entry.wi, sampler_.rng(), ws_.counters);
+        if (!out)
+            return false;
+        walk_.beta *= out->weight;
+        out->point.history = point.history;
+        const Vec3f n = subsurface_normal(scene_.program_of(out->point), out->point, scene_.textures());
+        return scatter_on_surface(out->point, diffuse_bsdf(out->point, n));
     }
 
     /// A direction from the BSDF or the guide, whose densities are in drawn_; the sample's is that of both.

@@ -60,7 +60,7 @@ class PathLight {
     bool escape() {
         if (walk_.kind == kCameraRay && request_.transparent_film) {
             add_suns();
-            out_.alpha = std::max(0.0f, 1 - mean(walk_.beta));
+            out_.alpha -= mean(walk_.beta);
             return false;
         }
         add_suns();

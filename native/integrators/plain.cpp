@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "integrators/integrator.h"
+#include "integrators/subsurface.h"
 #include "phase/phase_function.h"
 
 namespace nephele {
@@ -157,7 +158,7 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         }
         if (!hit.valid()) {
             if (bounces == 0 && request.transparent_film) {
-                out.alpha = 0;
+                out.alpha -= beta / 3;
             } else {
                 add(scene.background(ray.d, kind, history)[channel]);
             }
@@ -174,10 +175,23 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
         const std::uint32_t light = scene.light_of_instance(scene.number_of(*point.instance));
         if (light == Scene::kNoLight || lights_it(light))
             add(bsdf.emission[channel]);
-        const auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
+        if (bounces == 0 && request.transparent_film)
+            out.alpha -= beta / 3 * bsdf.holdout[channel];
+        auto sample = bsdf.sample(point.wo, rng.next(), rng.next2());
         if (!sample)
             break;
         beta *= sample->weight[channel];
+        if (sample->below) {
+            const auto emerged = walk_below(scene, point, *sample->below, sample->wi, rng, ws.counters);
+            if (!emerged)
+                break;
+            beta *= emerged->weight[channel];
+            point = emerged->point;
+            const Vec3f n = subsurface_normal(scene.program_of(point), point, scene.textures());
+            sample = diffuse_bsdf(point, n).sample(point.wo, rng.next(), rng.next2());
+            if (!sample)
+                break;
+        }
         if (beta == 0)
             break;
         if (sample->kind == 0) {

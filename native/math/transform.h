@@ -50,6 +50,15 @@ struct Frame {
         x = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
         y = {b, sign + n.y * n.y * a, -n.y};
     }
+    /// x along t as far as n lets it; any x where t is along n.
+    Frame(Vec3f n, Vec3f t) : Frame(n) {
+        const Vec3f across = cross(n, t);
+        const float sine2 = dot(across, across);
+        if (!(sine2 > 1e-12f * dot(t, t)) || !std::isfinite(sine2))
+            return;
+        y = across / std::sqrt(sine2);
+        x = cross(y, n);
+    }
     Vec3f to_world(Vec3f v) const { return x * v.x + y * v.y + z * v.z; }
     Vec3f to_local(Vec3f v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 };

@@ -143,6 +143,9 @@ class Scene {
 
     /// Nearest surface in the ray that rays of this kind see.
     Hit intersect(const Ray& ray, std::uint32_t ray_kind) const;
+    /// Nearest face of one instance, whichever side it shows: where what scatters below its surface comes
+    /// out.
+    Hit intersect_within(const Ray& ray, std::uint32_t instance) const;
     /// Light that the surfaces along the ray let through; 0 where an opaque one is in the way. blockers: see
     /// Linking.
     Rgb surface_transmittance(const Ray& ray, std::uint64_t blockers = Linking::kAll) const;
@@ -184,6 +187,7 @@ class Scene {
 
   private:
     struct SurfaceFilter;
+    struct InstanceFilter;
     struct TransmittanceFilter;
     std::int32_t material_of(const Hit& hit) const;
     Rgb transparency(const Hit& hit, const Ray& ray) const;

@@ -19,6 +19,14 @@ struct Scene::SurfaceFilter final : HitFilter {
     bool accept(const Hit& hit, bool) override { return scene.is_surface(hit, ray_kind); }
 };
 
+/// Lets rays see one instance.
+struct Scene::InstanceFilter final : HitFilter {
+    std::uint32_t instance;
+
+    explicit InstanceFilter(std::uint32_t i) : instance(i) {}
+    bool accept(const Hit& hit, bool) override { return hit.instance == instance; }
+};
+
 /// Multiplies the transparencies of all that a shadow ray meets, and stops at what is opaque. Products
 /// commute, so the order in which hits come does not matter.
 struct Scene::TransmittanceFilter final : HitFilter {
@@ -67,6 +75,12 @@ Hit Scene::intersect(const Ray& ray, std::uint32_t ray_kind) const {
         hit = surfaces_->intersect(ray, &filter);
     }
     return features_.nested_dielectrics ? nearest_interface(ray, ray_kind, hit) : hit;
+}
+
+Hit Scene::intersect_within(const Ray& ray, std::uint32_t instance) const {
+    InstanceFilter filter(instance);
+    const bool nested = source_.instances[instance].dielectric_priority > 0;
+    return (nested ? dielectrics_ : surfaces_)->intersect(ray, &filter);
 }
 
 Rgb Scene::surface_transmittance(const Ray& ray, std::uint64_t blockers) const {

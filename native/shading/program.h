@@ -18,8 +18,8 @@
 namespace nephele {
 
 inline constexpr std::size_t kMaxRegisters = 256;
-/// Most scattering lobes that one program may mix, and those of one Principled BSDF and of one plastic.
-inline constexpr int kMaxLobes = 64, kPrincipledLobes = 6, kPlasticLobes = 2;
+/// Most scattering lobes that one program may mix, and those of one Principled BSDF, plastic and subsurface.
+inline constexpr int kMaxLobes = 70, kPrincipledLobes = 7, kPlasticLobes = 2, kSubsurfaceLobes = 2;
 
 /// One operation. dst, a to d are registers; `parameter` is an offset into Program::parameters.
 struct Instruction {
@@ -30,7 +30,7 @@ struct Instruction {
 struct ClosureRow {
     ClosureKind kind = ClosureKind::diffuse;
     std::int16_t weight = 0;
-    std::int16_t mode = 0;  ///< index of Distribution for the microfacet kinds
+    std::int16_t mode = 0;  ///< index of Distribution for the microfacet kinds; see opcodes.py
     std::array<std::int16_t, kMaxClosureInputs> inputs{};
 };
 

@@ -125,7 +125,8 @@ void check_instruction(const Program& program, std::size_t index, std::size_t im
         check_image(program, where, i.parameter, image_count);
 }
 
-bool is_normal(ClosureKind kind, int input) {
+/// Whether an input may be left unconnected: normals and tangents.
+bool is_optional(ClosureKind kind, int input) {
     switch (kind) {
         case ClosureKind::diffuse:
             return input == diffuse_input::normal;
@@ -140,7 +141,26 @@ bool is_normal(ClosureKind kind, int input) {
         case ClosureKind::plastic:
             return input == plastic_input::normal;
         case ClosureKind::principled:
-            return input == principled_input::normal || input == principled_input::coat_normal;
+            return input == principled_input::normal || input == principled_input::coat_normal ||
+                   input == principled_input::tangent;
+        case ClosureKind::brushed:
+            return input == brushed_input::normal || input == brushed_input::tangent;
+        case ClosureKind::metal:
+            return input == metal_input::normal || input == metal_input::tangent;
+        case ClosureKind::conductor:
+            return input == conductor_input::normal || input == conductor_input::tangent;
+        case ClosureKind::filmed_glass:
+            return input == filmed_glass_input::normal;
+        case ClosureKind::sheen:
+            return input == sheen_input::normal;
+        case ClosureKind::velvet:
+            return input == velvet_input::normal;
+        case ClosureKind::toon_diffuse:
+            return input == toon_diffuse_input::normal;
+        case ClosureKind::toon_glossy:
+            return input == toon_glossy_input::normal;
+        case ClosureKind::subsurface:
+            return input == subsurface_input::normal;
         default:
             return false;
     }
@@ -156,11 +176,16 @@ void check_closure(const Program& program, std::size_t index) {
     check_range(where, "the weight's register", row.weight, 0, last);
     if (row.kind == ClosureKind::medium) {
         check_range(where, "the phase function", row.mode, 0, kPhaseKindCount - 1);
+    } else if (row.kind == ClosureKind::subsurface) {
+        check_range(where, "the method", row.mode, 0, kSubsurfaceMethodCount - 1);
+    } else if (row.kind == ClosureKind::principled) {
+        check_range(where, "the distribution and method", row.mode, 0,
+                    kDistributionCount * kSubsurfaceMethodCount - 1);
     } else {
         check_range(where, "the distribution", row.mode, 0, kDistributionCount - 1);
     }
     for (int k = 0; k < kClosureInputCounts[kind]; ++k) {
-        const int low = is_normal(row.kind, k) ? -1 : 0;
+        const int low = is_optional(row.kind, k) ? -1 : 0;
         check_range(where, "an input's register", row.inputs[static_cast<std::size_t>(k)], low, last);
     }
 }
@@ -171,12 +196,15 @@ int lobe_count(ClosureKind kind) {
     switch (kind) {
         case ClosureKind::transparent:
         case ClosureKind::emission:
+        case ClosureKind::holdout:
         case ClosureKind::medium:
             return 0;
         case ClosureKind::principled:
             return kPrincipledLobes;
         case ClosureKind::plastic:
             return kPlasticLobes;
+        case ClosureKind::subsurface:
+            return kSubsurfaceLobes;
         default:
             return 1;
     }

@@ -3,17 +3,12 @@
 
 #include <new>
 
-#include "surfaces/principled.h"
-
 namespace nephele {
 
-// --- The mixture
-// -------------------------------------------------------------------------------------------------
-
-void Bsdf::add(const LobeModel& model, Rgb weight, Vec3f n) {
+void Bsdf::add(const LobeModel& model, Rgb weight, const Frame& frame) {
     if (is_zero(weight) || count_ == kMaxLobes)
         return;  // validate() has counted the lobes
-    new (storage_ + static_cast<std::size_t>(count_) * sizeof(Lobe)) Lobe{Frame(n), weight, 0, model};
+    new (storage_ + static_cast<std::size_t>(count_) * sizeof(Lobe)) Lobe{frame, weight, 0, model};
     ++count_;
 }
 
@@ -94,8 +89,10 @@ std::optional<BsdfSample> Bsdf::sample(Vec3f wo, float lobe_u, Vec2f u) const {
     const bool specular = std::visit([](const auto& m) { return m.specular(); }, chosen->model);
     if (specular || count_ == 1) {
         const Rgb weight = chosen->weight * drawn->weight / chosen->probability;
-        return BsdfSample{wi,       weight,      chosen->probability * drawn->pdf,
+        BsdfSample sample{wi,       weight,      chosen->probability * drawn->pdf,
                           specular, drawn->kind, leaves_beyond(*chosen, wi, drawn->wi.z)};
+        sample.below = std::get_if<Subsurface>(&chosen->model);
+        return sample;
     }
     float pdf;
     bool crosses;
@@ -132,138 +129,6 @@ Rgb Bsdf::albedo(Vec3f wo) const {
         sum += l.weight * std::visit([&](const auto& m) { return m.albedo(l.frame.to_local(wo)); }, l.model);
     }
     return sum;
-}
-
-// --- Building from closures
-// --------------------------------------------------------------------------------------
-
-namespace {
-
-/// A closure's inputs at a shading point.
-struct Inputs {
-    const ClosureRow& row;
-    const RegisterFile& registers;
-    const ShadingPoint& point;
-
-    Rgb weight() const { return non_negative(registers[row.weight]); }
-    Rgb color(int i) const { return non_negative(registers[row.inputs[static_cast<std::size_t>(i)]]); }
-    float unit(int i) const { return std::min(color(i).x, 1.0f); }
-    /// ior beyond the surface / ior on wo's side, where the input is that of the inside.
-    float eta(int i) const {
-        const float ior = bounded_ior(color(i).x) / point.outside_ior;
-        return point.backfacing ? 1 / ior : ior;
-    }
-    Distribution distribution() const { return static_cast<Distribution>(row.mode); }
-    Vec3f normal(int i) const {
-        return closure_normal(row.inputs[static_cast<std::size_t>(i)], registers, point);
-    }
-    SeenInterface interface_of(int normal_input, int ior_input) const {
-        return seen_interface(normal(normal_input), eta(ior_input), point.wo);
-    }
-    Vec3f bent(int i) const { return bent_normal(normal(i), point.ng, point.wo); }
-};
-
-void add_diffuse(Bsdf& bsdf, const Inputs& in) {
-    const float roughness = in.unit(diffuse_input::roughness);
-    const Rgb color = in.color(diffuse_input::color);
-    const Vec3f n = in.normal(diffuse_input::normal);
-    if (roughness == 0) {
-        bsdf.add(Lambert{}, in.weight() * color, n);
-    } else if (!is_zero(color)) {
-        bsdf.add(RoughDiffuse{min(color, Rgb(1)), roughness}, in.weight(), n);
-    }
-}
-
-void add_glossy(Bsdf& bsdf, const Inputs& in) {
-    const Rgb color = in.color(glossy_input::color);
-    if (is_zero(color))
-        return;
-    const Vec3f n = in.bent(glossy_input::normal);
-    const Fresnel fresnel = Fresnel::constant(min(color, Rgb(1)));
-    const float mu = dot(n, in.point.wo);
-    bsdf.add(make_reflection(in.distribution(), in.unit(glossy_input::roughness), fresnel, mu), in.weight(),
-             n);
-}
-
-void add_glass(Bsdf& bsdf, const Inputs& in) {
-    const auto [n, eta] = in.interface_of(glass_input::normal, glass_input::ior);
-    const float roughness = in.unit(glass_input::roughness), mu = dot(n, in.point.wo);
-    const Rgb color = in.color(glass_input::color);
-    if (is_zero(color))
-        return;
-    bsdf.add(make_dielectric(in.distribution(), roughness, eta, Fresnel::dielectric(eta), color, color, mu),
-             in.weight(), n);
-}
-
-void add_refraction(Bsdf& bsdf, const Inputs& in) {
-    const auto [n, eta] = in.interface_of(refraction_input::normal, refraction_input::ior);
-    const auto distribution =
-        in.distribution() == Distribution::beckmann ? Distribution::beckmann : Distribution::ggx;
-    const float roughness = in.unit(refraction_input::roughness), mu = dot(n, in.point.wo);
-    bsdf.add(make_dielectric(distribution, roughness, eta, Fresnel::constant(Rgb(0)), Rgb(0), Rgb(1), mu),
-             in.weight() * in.color(refraction_input::color), n);
-}
-
-void add_plastic(Bsdf& bsdf, const Inputs& in) {
-    // Opaque: either side has the coat outside.
-    const float eta = bounded_ior(in.color(plastic_input::ior).x) / in.point.outside_ior;
-    const float roughness = in.unit(plastic_input::roughness);
-    const Vec3f n = in.bent(plastic_input::normal);
-    const Reflection coat =
-        make_reflection(in.distribution(), roughness, Fresnel::dielectric(eta), dot(n, in.point.wo));
-    if (eta != 1)
-        bsdf.add(coat, in.weight(), n);
-    const Rgb color = min(in.color(plastic_input::color), Rgb(1));
-    if (is_zero(color))
-        return;
-    const float seen_roughness = coat.specular() ? 0 : coat.facets.ggx_roughness();
-    const bool nonlinear = in.color(plastic_input::nonlinear).x > 0;
-    bsdf.add(PlasticBase(color, eta, seen_roughness, nonlinear), in.weight(), n);
-}
-
-void add_closure(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& registers,
-                 const ShadingPoint& point) {
-    const Inputs in{row, registers, point};
-    switch (row.kind) {
-        case ClosureKind::diffuse:
-            return add_diffuse(bsdf, in);
-        case ClosureKind::glossy:
-            return add_glossy(bsdf, in);
-        case ClosureKind::glass:
-            return add_glass(bsdf, in);
-        case ClosureKind::refraction:
-            return add_refraction(bsdf, in);
-        case ClosureKind::translucent:
-            return bsdf.add(Translucent{}, in.weight() * in.color(translucent_input::color),
-                            in.normal(translucent_input::normal));
-        case ClosureKind::transparent:
-            bsdf.transparency += in.weight() * in.color(transparent_input::color);
-            return;
-        case ClosureKind::emission:
-            bsdf.emission += closure_emission(row, registers, point);
-            return;
-        case ClosureKind::principled:
-            return add_principled(bsdf, row, registers, point);
-        case ClosureKind::plastic:
-            return add_plastic(bsdf, in);
-        case ClosureKind::medium:
-            return;  // of volumes: see media/program_medium.h
-    }
-}
-
-}  // namespace
-
-Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureContext& context) {
-    Bsdf bsdf(point);
-    if (program) {
-        const RegisterFile registers(*program, point, context);
-        for (const ClosureRow& row : program->closures)
-            add_closure(bsdf, row, registers, point);
-    } else {
-        bsdf.add(Lambert{}, Rgb(0.8f), point.ns);
-    }
-    bsdf.finish(point.wo);
-    return bsdf;
 }
 
 }  // namespace nephele

@@ -24,6 +24,7 @@ class Bsdf {
 
     Rgb emission;      ///< radiance that leaves along wo
     Rgb transparency;  ///< weight of the straight-through lobe (Transparent BSDF, alpha)
+    Rgb holdout;       ///< weight of holes in a transparent film
 
     /// Whether any lobe is neither specular nor straight-through, so that light sampling can serve it.
     bool has_smooth() const { return has_smooth_; }
@@ -52,7 +53,8 @@ class Bsdf {
     LobeShares colors(Vec3f wo) const;
 
     /// Adds a lobe around the unit normal n. Building only; call finish() after the last.
-    void add(const LobeModel& model, Rgb weight, Vec3f n);
+    void add(const LobeModel& model, Rgb weight, Vec3f n) { add(model, weight, Frame(n)); }
+    void add(const LobeModel& model, Rgb weight, const Frame& frame);
     /// Sets the probabilities of choosing each lobe, by their albedos.
     void finish(Vec3f wo);
 
@@ -81,6 +83,12 @@ class Bsdf {
     static_assert(std::is_trivially_destructible_v<LobeModel>);
     alignas(Lobe) std::byte storage_[kMaxLobes * sizeof(Lobe)];  // lobes 0 to count_ - 1 live here
 };
+
+/// A white diffuse surface of normal n: what light leaves by that has scattered below.
+Bsdf diffuse_bsdf(const ShadingPoint& point, Vec3f n);
+
+/// The normal of the first closure that scatters below the surface, where light leaves that did.
+Vec3f subsurface_normal(const Program* program, const ShadingPoint& point, const TextureContext& context);
 
 /// Runs the program and builds its lobes. program: validated, or null for the default, grey diffuse 0.8.
 Bsdf make_bsdf(const Program* program, const ShadingPoint& point, const TextureContext& context);

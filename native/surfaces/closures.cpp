@@ -21,6 +21,8 @@ std::optional<std::int16_t> ior_register(const Program& program) {
         switch (row.kind) {
             case ClosureKind::glass:
                 return row.inputs[glass_input::ior];
+            case ClosureKind::filmed_glass:
+                return row.inputs[filmed_glass_input::ior];
             case ClosureKind::refraction:
                 return row.inputs[refraction_input::ior];
             case ClosureKind::principled:
@@ -69,6 +71,8 @@ class TraitsFinder {
         switch (row.kind) {
             case ClosureKind::emission:
                 return emits(row, weight, emission_input::color, emission_input::strength, true);
+            case ClosureKind::holdout:
+                return;
             case ClosureKind::transparent: {
                 const auto color = input(row, transparent_input::color);
                 if (!color || !is_zero(non_negative(*color)))

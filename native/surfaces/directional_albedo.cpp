@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Grids: mu = x^2 (finer towards grazing angles), roughness and sheen alpha linear, eta by t = |eta - 1| /
+// Grids: mu = x^2 (finer towards grazing angles), roughness linear, eta by t = |eta - 1| /
 // (eta + 1), so that t^2 is the reflectance at normal incidence. Interpolated linearly along x, roughness and
-// t.
+// t. What belongs to one roughness is made when it is first asked for: a surface of constant roughness needs
+// two nodes of it.
 #include "surfaces/directional_albedo.h"
 
 #include <array>
-#include <vector>
+#include <atomic>
+#include <memory>
+#include <mutex>
 
-#include "math/warp.h"
 #include "surfaces/fresnel.h"
-#include "surfaces/lobes.h"
 #include "surfaces/microfacet.h"
 
 namespace nephele {
@@ -58,61 +59,83 @@ struct Place {
     }
 };
 
-template <int size>
-struct Table2 {
-    std::array<float, size * size> values{};
-
-    float& at(int x, int y) { return values[static_cast<std::size_t>(x + size * y)]; }
-    float at(int x, int y) const { return values[static_cast<std::size_t>(x + size * y)]; }
-    float operator()(float x, float y) const {
-        const Place px(x, size), py(y, size);
-        const auto row = [&](int j) { return lerp(at(px.i, j), at(px.i + 1, j), px.t); };
-        return lerp(row(py.i), row(py.i + 1), py.t);
+/// Parts of a table, each made from its number when it is first asked for, by whichever thread is there
+/// first.
+template <class Part, int count>
+class OnDemand {
+  public:
+    const Part& operator[](int number) {
+        const auto i = static_cast<std::size_t>(number);
+        if (const Part* part = ready_[i].load(std::memory_order_acquire))
+            return *part;
+        const std::scoped_lock lock(making_);
+        if (!made_[i]) {
+            made_[i] = std::make_unique<const Part>(number);
+            ready_[i].store(made_[i].get(), std::memory_order_release);
+        }
+        return *made_[i];
     }
+
+  private:
+    std::array<std::atomic<const Part*>, count> ready_{};
+    std::array<std::unique_ptr<const Part>, count> made_;
+    std::mutex making_;
 };
 
 // --- Reflection
 // --------------------------------------------------------------------------------------------------
 
-struct ReflectionTable {
-    Table2<kFine> albedo;
-    std::array<float, kFine> mean{};
+/// White reflection at node j of the roughness.
+struct ReflectionRow {
+    std::array<float, kFine> albedo{};
+    float mean = 0;
 
-    ReflectionTable() {
-        constexpr int kSamples = 1024;
-        for (int j = 0; j < kFine; ++j) {
-            const Microfacet facets{sqr(node(j, kFine)), false};
-            for (int i = 0; i < kFine; ++i)
-                albedo.at(i, j) = integrate(direction(node_mu(i, kFine)), facets, kSamples);
-            mean[static_cast<std::size_t>(j)] = integrate_mean(j);
-        }
+    explicit ReflectionRow(int j) {
+        const Microfacet facets{sqr(node(j, kFine)), false};
+        for (int i = 0; i < kFine; ++i)
+            albedo[static_cast<std::size_t>(i)] = integrate(direction(node_mu(i, kFine)), facets);
+        mean = integrate_mean();
     }
-    static float integrate(Vec3f wo, Microfacet facets, int samples) {
+    float at(float x) const {
+        const Place p(x, kFine);
+        const auto i = static_cast<std::size_t>(p.i);
+        return lerp(albedo[i], albedo[i + 1], p.t);
+    }
+
+  private:
+    static float integrate(Vec3f wo, Microfacet facets) {
+        constexpr int kSamples = 1024;
         if (facets.specular())
             return 1;
         double sum = 0;
-        visit_normals(wo, facets, samples, [&](Vec3f h) {
+        visit_normals(wo, facets, kSamples, [&](Vec3f h) {
             const Vec3f wi = 2 * dot(wo, h) * h - wo;
             if (wi.z > 0)
                 sum += static_cast<double>(shadowing(facets, wo, wi));
         });
-        return static_cast<float>(sum / samples);
+        return static_cast<float>(sum / kSamples);
     }
     /// 2 integral of albedo mu dmu, with mu = x^2: 4 integral of albedo x^3 dx.
-    float integrate_mean(int j) const {
+    float integrate_mean() const {
         constexpr int kSteps = 256;
         double sum = 0, norm = 0;
         for (int i = 0; i < kSteps; ++i) {
             const double x = (i + 0.5) / kSteps, weight = x * x * x;
-            sum += weight * static_cast<double>(albedo(static_cast<float>(x), node(j, kFine)));
+            sum += weight * static_cast<double>(at(static_cast<float>(x)));
             norm += weight;
         }
         return static_cast<float>(sum / norm);
     }
 };
-const ReflectionTable& reflection_table() {
-    static const ReflectionTable table;
-    return table;
+
+const ReflectionRow& reflection_row(int j) {
+    static OnDemand<ReflectionRow, kFine> rows;
+    return rows[j];
+}
+/// value(row) between the two rows next to a roughness.
+float between_rows(float roughness, const auto& value) {
+    const Place p(roughness, kFine);
+    return lerp(value(reflection_row(p.i)), value(reflection_row(p.i + 1)), p.t);
 }
 
 // --- Dielectric interface
@@ -122,22 +145,23 @@ float eta_of(float t, bool denser) {
     return denser ? (1 + t) / (1 - t) : (1 - t) / (1 + t);
 }
 
-struct DielectricTable {
-    std::vector<DielectricAlbedo> values;  ///< [denser][t][roughness][mu]
-    std::vector<DielectricAlbedo> means;   ///< the same, every mu holding the mean over the hemisphere
+/// An interface at node j of the roughness.
+struct DielectricSlice {
+    using Values = std::array<DielectricAlbedo, 2 * kCoarse * kCoarse>;
+    Values values{};  ///< [denser][t][mu]
+    Values means{};   ///< the same, every mu holding the mean over the hemisphere
 
-    static std::size_t index(bool denser, int t, int roughness, int mu) {
-        return static_cast<std::size_t>(((denser ? kCoarse : 0) + t) * kCoarse * kCoarse +
-                                        roughness * kCoarse + mu);
-    }
-    DielectricTable() : values(2 * kCoarse * kCoarse * kCoarse), means(values.size()) {
-        for (int j = 0; j < kCoarse; ++j) {
-            for (int i = 0; i < kCoarse; ++i)
-                integrate(j, i);
-        }
+    explicit DielectricSlice(int j) {
+        for (int i = 0; i < kCoarse; ++i)
+            integrate(j, i);
         for (std::size_t first = 0; first < values.size(); first += kCoarse)
             average(first);
     }
+    static std::size_t index(bool denser, int t, int mu) {
+        return static_cast<std::size_t>(((denser ? kCoarse : 0) + t) * kCoarse + mu);
+    }
+
+  private:
     /// Weights of the nodes: 4 x^3 dx by the trapezoidal rule.
     void average(std::size_t first) {
         DielectricAlbedo sum;
@@ -152,7 +176,7 @@ struct DielectricTable {
         const DielectricAlbedo mean{sum.reflected / norm, sum.transmitted / norm};
         std::fill_n(means.begin() + static_cast<std::ptrdiff_t>(first), kCoarse, mean);
     }
-    /// Fills all indices of refraction for one direction and roughness.
+    /// Fills all indices of refraction for one direction.
     void integrate(int j, int i) {
         constexpr int kSamples = 512;
         const Microfacet facets{std::max(sqr(node(j, kCoarse)), 2 * Microfacet::kSpecularAlpha), false};
@@ -167,83 +191,52 @@ struct DielectricTable {
                 float cos_t;
                 const float F = eta == 1 ? (cos_t = c, 0.0f) : fresnel_dielectric(c, eta, cos_t);
                 const Vec3f refracted = (c / eta - cos_t) * h - wo / eta;
-                DielectricAlbedo& out = values[index(denser, k % kCoarse, j, i)];
+                DielectricAlbedo& out = values[index(denser, k % kCoarse, i)];
                 out.reflected += F * reflected;
                 if (F < 1 && refracted.z < 0)
                     out.transmitted += (1 - F) * shadowing(facets, wo, refracted) / kSamples;
             }
         });
     }
-    static DielectricAlbedo lookup(const std::vector<DielectricAlbedo>& table, float x, float roughness,
+};
+
+DielectricAlbedo dielectric_lookup(DielectricSlice::Values DielectricSlice::*table, float x, float roughness,
                                    float eta) {
-        const float t = std::fabs(eta - 1) / (eta + 1);
-        const bool denser = eta >= 1;
-        const Place px(x, kCoarse), pr(roughness, kCoarse), pt(t, kCoarse);
-        DielectricAlbedo sum;
-        for (int corner = 0; corner < 8; ++corner) {
-            const int dx = corner & 1, dr = corner >> 1 & 1, dt = corner >> 2;
-            const float weight = (dx ? px.t : 1 - px.t) * (dr ? pr.t : 1 - pr.t) * (dt ? pt.t : 1 - pt.t);
-            const DielectricAlbedo& value = table[index(denser, pt.i + dt, pr.i + dr, px.i + dx)];
-            sum.reflected += weight * value.reflected;
-            sum.transmitted += weight * value.transmitted;
-        }
-        return sum;
+    static OnDemand<DielectricSlice, kCoarse> slices;
+    const float t = std::fabs(eta - 1) / (eta + 1);
+    const bool denser = eta >= 1;
+    const Place px(x, kCoarse), pr(roughness, kCoarse), pt(t, kCoarse);
+    const std::array<const DielectricSlice::Values*, 2> tables{&(slices[pr.i].*table),
+                                                               &(slices[pr.i + 1].*table)};
+    DielectricAlbedo sum;
+    for (int corner = 0; corner < 8; ++corner) {
+        const int dx = corner & 1, dr = corner >> 1 & 1, dt = corner >> 2;
+        const float weight = (dx ? px.t : 1 - px.t) * (dr ? pr.t : 1 - pr.t) * (dt ? pt.t : 1 - pt.t);
+        const DielectricAlbedo& value =
+            (*tables[static_cast<std::size_t>(dr)])[DielectricSlice::index(denser, pt.i + dt, px.i + dx)];
+        sum.reflected += weight * value.reflected;
+        sum.transmitted += weight * value.transmitted;
     }
-};
-
-const DielectricTable& dielectric_table() {
-    static const DielectricTable table;
-    return table;
+    return sum;
 }
-
-// --- Sheen
-// -------------------------------------------------------------------------------------------------------
-
-struct SheenTable {
-    Table2<kFine> albedo;
-
-    SheenTable() {
-        constexpr int kSamples = 1024;
-        for (int j = 0; j < kFine; ++j) {
-            const Sheen sheen{node(j, kFine), 1};
-            for (int i = 0; i < kFine; ++i) {
-                const Vec3f wo = direction(node_mu(i, kFine));
-                double sum = 0;
-                for (int k = 0; k < kSamples; ++k) {
-                    const Vec2f u =
-                        even_point(k);  // uniform in solid angle: the lobe is strongest at grazing angles
-                    sum += static_cast<double>(sheen.eval(wo, spherical(u.x, u.y)).f.x);
-                }
-                albedo.at(i, j) = static_cast<float>(sum * 2 * static_cast<double>(kPi) / kSamples);
-            }
-        }
-    }
-};
 
 }  // namespace
 
 float reflection_albedo(float mu, float roughness) {
-    return reflection_table().albedo(std::sqrt(std::max(mu, 0.0f)), roughness);
+    const float x = std::sqrt(std::max(mu, 0.0f));
+    return between_rows(roughness, [x](const ReflectionRow& row) { return row.at(x); });
 }
 
 float mean_reflection_albedo(float roughness) {
-    const auto& mean = reflection_table().mean;
-    const Place p(roughness, kFine);
-    const auto i = static_cast<std::size_t>(p.i);
-    return lerp(mean[i], mean[i + 1], p.t);
+    return between_rows(roughness, [](const ReflectionRow& row) { return row.mean; });
 }
 
 DielectricAlbedo dielectric_albedo(float mu, float roughness, float eta) {
-    return DielectricTable::lookup(dielectric_table().values, std::sqrt(std::max(mu, 0.0f)), roughness, eta);
+    return dielectric_lookup(&DielectricSlice::values, std::sqrt(std::max(mu, 0.0f)), roughness, eta);
 }
 
 DielectricAlbedo mean_dielectric_albedo(float roughness, float eta) {
-    return DielectricTable::lookup(dielectric_table().means, 1, roughness, eta);
-}
-
-float sheen_albedo(float mu, float alpha) {
-    static const SheenTable table;
-    return table.albedo(std::sqrt(std::max(mu, 0.0f)), alpha);
+    return dielectric_lookup(&DielectricSlice::means, 1, roughness, eta);
 }
 
 }  // namespace nephele

@@ -22,7 +22,4 @@ struct DielectricAlbedo {
 DielectricAlbedo dielectric_albedo(float mu, float roughness, float eta);
 DielectricAlbedo mean_dielectric_albedo(float roughness, float eta);
 
-/// The Sheen lobe at scale 1.
-float sheen_albedo(float mu, float alpha);
-
 }  // namespace nephele

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lobes without microfacet normals: diffuse ones, the base of plastics and sheen. All but the
-// transmission sample a cosine hemisphere.
+// The lobes without microfacet normals: diffuse ones, the base of plastics, cartoons' and
+// what scatters below.
 #include "surfaces/lobes.h"
 
 #include "math/warp.h"
@@ -148,33 +148,66 @@ Rgb PlasticBase::albedo(Vec3f wo) const {
     return color * (transmitted(wo.z) * mean_transmitted() / (eta * eta));
 }
 
-// --- Sheen
-// -------------------------------------------------------------------------------------------------------
+// --- Toon
+// --------------------------------------------------------------------------------------------------------
 
-LobeValue Sheen::eval(Vec3f wo, Vec3f wi) const {
-    if (wo.z <= 0 || wi.z <= 0)
+Vec3f Toon::axis(Vec3f wo) const {
+    return glossy ? Vec3f(-wo.x, -wo.y, wo.z) : Vec3f(0, 0, 1);
+}
+float Toon::one_minus_cos() const {
+    return 2 * sqr(std::sin(0.5f * std::min(size + smooth, 0.5f * kPi)));
+}
+
+LobeValue Toon::eval(Vec3f wo, Vec3f wi) const {
+    const float share = one_minus_cos();
+    if (wo.z <= 0 || wi.z <= 0 || !(share > 0))
         return {};
-    const Vec3f h = normalize(wo + wi);
-    const float exponent = 1 / std::max(alpha, 0.05f),
-                sine = std::sqrt(std::max(0.0f, h.x * h.x + h.y * h.y));
-    const float D = (2 + exponent) * std::pow(sine, exponent) * (0.5f * kInvPi);
-    const float visibility = 0.25f / (wo.z + wi.z - wo.z * wi.z);  // Neubelt and Pettineo 2013
-    return {Rgb(scale * D * visibility * wi.z), wi.z * kInvPi};
-}
-std::optional<LobeSample> Sheen::sample(Vec3f wo, float, Vec2f u) const {
-    return sample_cosine(*this, wo, u);
-}
-Rgb Sheen::albedo(Vec3f wo) const {
-    return Rgb(scale * sheen_albedo(wo.z, alpha));
+    const float cosine = dot(axis(wo), wi);
+    if (cosine < 0)
+        return {};
+    const float outside = std::acos(std::min(cosine, 1.0f)) - size;
+    const float value = outside < 0 ? 1 : outside < smooth ? 1 - outside / smooth : 0;
+    const float pdf = value > 0 ? cone_pdf(share) : 0;
+    return {Rgb(value * pdf), pdf};
 }
 
-Sheen make_sheen(float roughness, float mu) {
-    // Fit of ours to albedos measured in renders of Cycles 5.0's Sheen BSDF under a white sky, roughness 0.05
-    // to 1 and angles 0 to 86 degrees; largest error 0.036. The shape stays Charlie's, kept broad.
-    const float r = clamp01(std::max(roughness, 0.02f)), m = clamp01(mu);
-    const float albedo = std::exp(-0.320f - 0.755f * std::pow(r, -1.581f) * m) * std::pow(r, 2.027f * m * m);
-    const Sheen plain{0.25f + 0.75f * r};
-    return {plain.alpha, albedo / std::max(sheen_albedo(m, plain.alpha), 1e-3f)};
+std::optional<LobeSample> Toon::sample(Vec3f wo, float, Vec2f u) const {
+    const Vec3f wi = Frame(axis(wo)).to_world(sample_cone(u, one_minus_cos()));
+    const LobeValue value = eval(wo, wi);
+    if (!(value.pdf > 0))
+        return std::nullopt;
+    return LobeSample{wi, value.f / value.pdf, value.pdf, kind(wi)};
+}
+
+Rgb Toon::albedo(Vec3f) const {
+    const float share = one_minus_cos(), edge = std::min(size + smooth, 0.5f * kPi), border = edge - size;
+    if (!(share > 0) || !(smooth > 0))
+        return Rgb(1);
+    // The integral of value(angle) sin(angle), by parts over the border.
+    const float full =
+        std::cos(size) - (1 - border / smooth) * std::cos(edge) - (std::sin(edge) - std::sin(size)) / smooth;
+    return Rgb(clamp01((1 - std::cos(size) + full) / share));
+}
+
+// --- Subsurface
+// --------------------------------------------------------------------------------------------------
+
+std::optional<LobeSample> Subsurface::sample(Vec3f wo, float, Vec2f u) const {
+    if (diffuse_entry || wo.z <= 0) {  // bent normals may face away
+        const Vec3f w = sample_cosine_hemisphere(u);
+        return LobeSample{{w.x, w.y, -w.z}, Rgb(1), 0, kDiffuseRay};
+    }
+    const auto refracted = [&](Vec3f h) {
+        const float cos_o = dot(wo, h), cos_t = std::sqrt((eta - 1) * (eta + 1) + cos_o * cos_o) / eta;
+        return normalize((cos_o / eta - cos_t) * h - wo / eta);
+    };
+    const Microfacet facets{alpha};
+    Vec3f wi(0);
+    if (!facets.specular())
+        wi = refracted(facets.sample_normal(wo, u));
+    if (!(wi.z < 0))  // steep facets may refract out of the surface: all light enters
+        wi = refracted({0, 0, 1});
+    return LobeSample{wi, Rgb(1), 0, kDiffuseRay};
 }
 
 }  // namespace nephele

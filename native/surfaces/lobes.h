@@ -136,26 +136,71 @@ struct Dielectric {
     float reflect_probability(Rgb reflected) const;
 };
 
-/// Cloth-like reflection at grazing angles (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen
-/// BRDF").
+/// Reflection off microfibres that stand on the surface, see sheen.cpp. It is sampled exactly.
 struct Sheen {
-    float alpha = 0.5f;
-    float scale = 1;  ///< towards this wo, so that the albedo is a wanted one; see make_sheen
+    float a = 1, b = 0;   ///< of the linear map
+    float reflected = 0;  ///< the albedo
+
+    /// Seen from cosine mu: eval() and sample() are to be given a wo that has it.
+    Sheen(float roughness, float mu);
 
     bool specular() const { return false; }
     std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
     LobeValue eval(Vec3f wo, Vec3f wi) const;
     std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
-    Rgb albedo(Vec3f wo) const;
+    Rgb albedo(Vec3f) const { return Rgb(reflected); }
 };
 
-/// A Sheen lobe seen from cosine mu whose albedo follows the Sheen BSDF of Cycles (microfibres).
-Sheen make_sheen(float roughness, float mu);
+/// Velvet by an inverted Gaussian of normals, see sheen.cpp.
+struct Velvet {
+    float roughness = 0.5f;
 
-using LobeModel =
-    std::variant<Lambert, Translucent, RoughDiffuse, PlasticBase, Reflection, Dielectric, Sheen>;
+    bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f) const { return Rgb(0.5f); }
+};
+
+/// A cartoon's reflection, of constant value in a cone around the normal or the mirrored direction and
+/// falling off around it; f |cos| over the cone has no cosine. Not reciprocal.
+struct Toon {
+    float size = 0, smooth = 0;  ///< angles of the cone and of its border
+    bool glossy = false;
+
+    bool specular() const { return false; }
+    std::uint32_t kind(Vec3f) const { return glossy ? kGlossyRay : kDiffuseRay; }
+    LobeValue eval(Vec3f wo, Vec3f wi) const;
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f wo) const;  ///< as if the horizon cut nothing off
+
+  private:
+    Vec3f axis(Vec3f wo) const;
+    float one_minus_cos() const;
+};
+
+/// Where light goes below the surface and comes back elsewhere (integrators/subsurface.h). As a lobe it only
+/// draws the direction of entry, which no light sampling can stand for.
+struct Subsurface {
+    Rgb color;                   ///< share of the light that a flat surface returns
+    Rgb mean_free_path;          ///< by reduced scattering, m
+    float anisotropy = 0;        ///< mean cosine of its phase function
+    float eta = 1.4f;            ///< ior below / ior on wo's side, by which light is bent that enters
+    float alpha = 1;             ///< of the GGX facets that bend it
+    bool diffuse_entry = false;  ///< light enters by a cosine instead
+
+    bool specular() const { return true; }
+    std::uint32_t kind(Vec3f) const { return kDiffuseRay; }
+    LobeValue eval(Vec3f, Vec3f) const { return {}; }
+    std::optional<LobeSample> sample(Vec3f wo, float choice, Vec2f u) const;
+    Rgb albedo(Vec3f) const { return color; }
+};
+
+using LobeModel = std::variant<Lambert, Translucent, RoughDiffuse, PlasticBase, Reflection, Dielectric, Sheen,
+                               Velvet, Toon, Subsurface>;
 
 static_assert(LobeLike<Lambert> && LobeLike<Translucent> && LobeLike<RoughDiffuse> && LobeLike<PlasticBase> &&
-              LobeLike<Reflection> && LobeLike<Dielectric> && LobeLike<Sheen>);
+              LobeLike<Reflection> && LobeLike<Dielectric> && LobeLike<Sheen> && LobeLike<Velvet> &&
+              LobeLike<Toon> && LobeLike<Subsurface>);
 
 }  // namespace nephele

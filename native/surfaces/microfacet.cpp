@@ -82,7 +82,7 @@ Rgb Reflection::albedo(Vec3f wo) const {
     const float roughness = facets.ggx_roughness(), white = reflection_albedo(wo.z, roughness);
     if (fresnel.kind == Fresnel::Kind::constant)
         return fresnel.f0 * white * scale;
-    if (fresnel.kind == Fresnel::Kind::f82)
+    if (fresnel.kind == Fresnel::Kind::f82 || fresnel.is_peculiar())
         return lerp(fresnel.at(wo.z), fresnel.mean(), roughness) * white * scale;
     return curve_albedo(fresnel, dielectric_albedo(wo.z, roughness, fresnel.eta).reflected, white) * scale;
 }
@@ -160,6 +160,11 @@ std::pair<Rgb, Rgb> Dielectric::albedos(Vec3f wo) const {
     const float white = reflection_albedo(wo.z, roughness);
     if (fresnel.kind == Fresnel::Kind::constant) {  // refraction only: no share is lost to reflection
         return {Rgb(0), transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white))};
+    }
+    if (fresnel.is_peculiar()) {
+        const Rgb share = min(lerp(fresnel.at(wo.z), fresnel.mean(), roughness), Rgb(1));
+        return (reflection_tint * share + transmission_tint * (Rgb(1) - share)) *
+               ((reflected + transmitted) * scale);
     }
     const Rgb back = curve_albedo(fresnel, reflected, white);
     const float range = range_from_ior(fresnel.eta);

@@ -2,7 +2,6 @@
 #include "surfaces/principled.h"
 
 #include "surfaces/bsdf.h"
-#include "surfaces/directional_albedo.h"
 
 namespace nephele {
 namespace {
@@ -18,10 +17,27 @@ struct Principled {
     }
     float value(int input) const { return color(input).x; }
     float unit(int input) const { return std::min(value(input), 1.0f); }
-    Distribution distribution() const { return static_cast<Distribution>(row.mode); }
+    Distribution distribution() const { return static_cast<Distribution>(row.mode % kDistributionCount); }
+    SubsurfaceMethod subsurface_method() const {
+        return static_cast<SubsurfaceMethod>(row.mode / kDistributionCount);
+    }
     Vec3f normal(int input) const {
         return bent_normal(closure_normal(row.inputs[static_cast<std::size_t>(input)], registers, point),
                            point.ng, point.wo);
+    }
+    Brush brush() const {
+        const float anisotropy = unit(principled_input::anisotropic);
+        if (anisotropy == 0)
+            return {};
+        const std::int16_t tangent = row.inputs[principled_input::tangent];
+        return {anisotropic_stretch(anisotropy), tangent < 0 ? Vec3f(0) : finite(registers[tangent]),
+                finite(registers[row.inputs[principled_input::anisotropic_rotation]]).x};
+    }
+    /// around: the index on wo's side.
+    ThinFilm film(float around) const {
+        const float thickness = value(principled_input::thin_film_thickness);
+        return thickness == 0 ? ThinFilm{}
+                              : film_seen(thickness, value(principled_input::thin_film_ior), around);
     }
 };
 
@@ -37,7 +53,7 @@ Rgb add_sheen(const Principled& p, Rgb weight, Bsdf* bsdf) {
         return weight;
     const Vec3f n = p.normal(principled_input::normal);
     const float mu = dot(n, p.point.wo);
-    const Sheen sheen = make_sheen(p.unit(principled_input::sheen_roughness), mu);
+    const Sheen sheen(p.unit(principled_input::sheen_roughness), mu);
     const Rgb tint = amount * p.color(principled_input::sheen_tint);
     if (bsdf)
         bsdf->add(sheen, weight * tint, n);
@@ -74,9 +90,9 @@ Rgb add_metal(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
         return weight;
     const Vec3f n = p.normal(principled_input::normal);
     const Rgb tint = min(p.color(principled_input::specular_tint), Rgb(1));
-    const Fresnel fresnel = Fresnel::metal(min(base, Rgb(1)), tint);
-    const float roughness = p.unit(principled_input::roughness);
-    bsdf.add(make_reflection(p.distribution(), roughness, fresnel, dot(n, p.point.wo)), weight * metallic, n);
+    const Fresnel fresnel = Fresnel::metal(min(base, Rgb(1)), tint).under(p.film(p.point.outside_ior));
+    add_reflection(bsdf, p.distribution(), p.unit(principled_input::roughness), fresnel, weight * metallic, n,
+                   p.brush(), p.point.wo);
     return weight * (1 - metallic);
 }
 
@@ -84,12 +100,13 @@ Rgb add_glass(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
     const float amount = p.unit(principled_input::transmission_weight);
     if (amount == 0)
         return weight;
-    const float ior = bounded_ior(p.value(principled_input::ior)) / p.point.outside_ior;
-    const auto [n, eta] =
+    const float inside = bounded_ior(p.value(principled_input::ior)), ior = inside / p.point.outside_ior;
+    const auto [n, eta, flipped] =
         seen_interface(closure_normal(p.row.inputs[principled_input::normal], p.registers, p.point),
                        p.point.backfacing ? 1 / ior : ior, p.point.wo);
     const Rgb tint = min(p.color(principled_input::specular_tint), Rgb(1));
-    const Fresnel fresnel = Fresnel::dielectric(eta, tint * f0_from_ior(eta));
+    const Fresnel fresnel = Fresnel::dielectric(eta, tint * f0_from_ior(eta))
+                                .under(p.film(flipped != p.point.backfacing ? inside : p.point.outside_ior));
     const float roughness = p.unit(principled_input::roughness);
     // Light passes two interfaces, one on the way in and one on the way out.
     const Rgb transmitted(std::sqrt(base.x), std::sqrt(base.y), std::sqrt(base.z));
@@ -109,13 +126,40 @@ Rgb add_specular(const Principled& p, Rgb weight, Bsdf& bsdf) {
     }
     if (f0 == 0)
         return weight;
-    const Vec3f n = p.normal(principled_input::normal);
-    const float mu = dot(n, p.point.wo), roughness = p.unit(principled_input::roughness);
     const Fresnel fresnel =
-        Fresnel::dielectric(ior, min(p.color(principled_input::specular_tint) * f0, Rgb(1)));
-    const Reflection specular = make_reflection(p.distribution(), roughness, fresnel, mu);
-    bsdf.add(specular, weight, n);
-    return under_layer(weight, specular.albedo({0, 0, mu}));
+        Fresnel::dielectric(ior, min(p.color(principled_input::specular_tint) * f0, Rgb(1)))
+            .under(p.film(p.point.outside_ior));
+    return under_layer(
+        weight, add_reflection(bsdf, p.distribution(), p.unit(principled_input::roughness), fresnel, weight,
+                               p.normal(principled_input::normal), p.brush(), p.point.wo));
+}
+
+/// What scatters below the surface, and the diffuse rest.
+void add_base(const Principled& p, Rgb weight, Rgb base, Bsdf& bsdf) {
+    const Vec3f n = closure_normal(p.row.inputs[principled_input::normal], p.registers, p.point);
+    Rgb diffuse = weight * base;
+    const float below = p.unit(principled_input::subsurface_weight);
+    if (below > 0) {
+        const SubsurfaceMethod method = p.subsurface_method();
+        const int ior = method == SubsurfaceMethod::random_walk_skin ? principled_input::subsurface_ior
+                                                                     : principled_input::ior;
+        const SubsurfaceLook look{
+            base,
+            p.value(principled_input::subsurface_scale) * p.color(principled_input::subsurface_radius),
+            p.value(ior),
+            p.unit(principled_input::roughness),
+            p.unit(principled_input::subsurface_anisotropy),
+            method};
+        diffuse = diffuse * (1 - below) + add_subsurface(bsdf, look, weight * below, n);
+    }
+    const float roughness = p.unit(principled_input::diffuse_roughness);
+    if (roughness == 0) {
+        bsdf.add(Lambert{}, diffuse, n);
+    } else if (!is_zero(diffuse)) {
+        const Rgb color = min(base, Rgb(1));
+        const auto share = [&](int c) { return color[c] > 0 ? diffuse[c] / color[c] : 0; };
+        bsdf.add(RoughDiffuse{color, roughness}, {share(0), share(1), share(2)}, n);
+    }
 }
 
 Rgb opaque_weight(const Principled& p) {
@@ -126,65 +170,7 @@ Rgb emitted(const Principled& p) {
            finite(p.registers[p.row.inputs[principled_input::emission_strength]]).x;
 }
 
-/// Kulla and Conty 2017: what single scattering loses comes back, coloured by its further bounces. albedo,
-/// mean: of the white lobe towards the viewer and over the hemisphere; bounce: mean colour of one bounce.
-Rgb compensation(float albedo, float mean, Rgb bounce) {
-    const Rgb further = bounce * mean / (Rgb(1) - bounce * (1 - mean));
-    return Rgb(1) + further * ((1 - albedo) / albedo);
-}
-
 }  // namespace
-
-Reflection make_reflection(Distribution distribution, float roughness, const Fresnel& fresnel, float mu) {
-    Reflection lobe{{sqr(roughness), distribution == Distribution::beckmann}, fresnel, Rgb(1)};
-    if (distribution != Distribution::multi_ggx || lobe.specular())
-        return lobe;
-    lobe.scale =
-        compensation(reflection_albedo(mu, roughness), mean_reflection_albedo(roughness), fresnel.mean());
-    return lobe;
-}
-
-Dielectric make_dielectric(Distribution distribution, float roughness, float eta, const Fresnel& fresnel,
-                           Rgb reflection_tint, Rgb transmission_tint, float mu) {
-    Dielectric lobe{{sqr(roughness), distribution == Distribution::beckmann},
-                    fresnel,
-                    eta,
-                    reflection_tint,
-                    transmission_tint,
-                    Rgb(1)};
-    if (std::fabs(eta - 1) < 1e-4f)
-        lobe.facets.alpha = 0;  // no interface: light goes straight on
-    if (distribution != Distribution::multi_ggx || lobe.specular())
-        return lobe;
-    const auto [reflected, transmitted] = dielectric_albedo(mu, roughness, eta);
-    const auto [mean_reflected, mean_transmitted] = mean_dielectric_albedo(roughness, eta);
-    const Rgb F = fresnel.mean();
-    lobe.scale = compensation(reflected + transmitted, mean_reflected + mean_transmitted,
-                              min(reflection_tint * F + transmission_tint * (Rgb(1) - F), Rgb(1)));
-    return lobe;
-}
-
-SeenInterface seen_interface(Vec3f n, float eta, Vec3f wo) {
-    return dot(n, wo) < 0 ? SeenInterface{-n, 1 / eta} : SeenInterface{n, eta};
-}
-
-Vec3f bent_normal(Vec3f n, Vec3f ng, Vec3f wo) {
-    const float cos_o = dot(wo, ng);
-    const Vec3f mirrored = 2 * dot(wo, n) * n - wo;
-    const float height = dot(mirrored, ng), least = std::min(0.9f * cos_o, 0.01f);
-    if (height >= least && dot(n, wo) > 0)
-        return n;
-    const Vec3f lifted = safe_normalize(mirrored + std::max(0.0f, least - height) * ng);
-    const Vec3f half = lifted + wo;
-    return dot(half, half) > 1e-8f ? normalize(half) : ng;
-}
-
-Vec3f closure_normal(std::int16_t input, const RegisterFile& registers, const ShadingPoint& point) {
-    if (input < 0)
-        return point.ns;
-    const Vec3f n = safe_normalize(registers[input]);
-    return is_zero(n) || !is_finite(n) ? point.ns : n;
-}
 
 void add_principled(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& registers,
                     const ShadingPoint& point) {
@@ -200,9 +186,7 @@ void add_principled(Bsdf& bsdf, const ClosureRow& row, const RegisterFile& regis
     weight = add_glass(p, weight, base, bsdf);
     if (is_zero(weight))
         return;
-    weight = add_specular(p, weight, bsdf);
-    bsdf.add(Lambert{}, weight * base,
-             closure_normal(row.inputs[principled_input::normal], registers, point));
+    add_base(p, add_specular(p, weight, bsdf), base, bsdf);
 }
 
 Rgb principled_emission(const ClosureRow& row, const RegisterFile& registers, const ShadingPoint& point) {

@@ -93,12 +93,23 @@ def test_principled_reads_every_socket(tree):
         "Specular IOR Level": 0.6, "Specular Tint": (0.9, 0.8, 0.7, 1), "Transmission Weight": 0.13,
         "Coat Weight": 0.14, "Coat Roughness": 0.15, "Coat IOR": 1.44, "Coat Tint": (0.5, 0.6, 0.7, 1),
         "Sheen Weight": 0.16, "Sheen Roughness": 0.17, "Sheen Tint": (0.3, 0.2, 0.1, 1),
-        "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 2.5,
+        "Emission Color": (1, 0.5, 0.25, 1), "Emission Strength": 2.5, "Diffuse Roughness": 0.18,
+        "Anisotropic": 0.19, "Anisotropic Rotation": 0.21, "Subsurface Weight": 0.22,
+        "Subsurface Radius": (0.3, 0.2, 0.1), "Subsurface Scale": 0.23,
+        "Subsurface Anisotropy": 0.24, "Thin Film Thickness": 350.0, "Thin Film IOR": 1.37,
     }  # fmt: skip
     for name, value in values.items():
         node.inputs[name].default_value = value
-    closure, weight, found = closure_inputs(tree.compile().surface, {})
-    assert (closure.kind, closure.mode, list(weight)) == ("principled", 1, [1, 1, 1])  # multi-scatter GGX
+    point = {
+        "generated": np.array((1.0, 0.5, 0.5)),
+        "normal": np.array((0.0, 0, 1)),
+        "convert_space": lambda o, p, m: o[0],
+    }
+    closure, weight, found = closure_inputs(tree.compile().surface, point)
+    mode = 1 + len(opcodes.DISTRIBUTIONS)  # multi-scatter GGX, random walk
+    assert (closure.kind, closure.mode, list(weight)) == ("principled", mode, [1, 1, 1])
+    assert found.pop("subsurface_ior") == pytest.approx((1.4,) * 3)  # hidden but for skin
+    assert found.pop("tangent") == pytest.approx((0, 1, 0))  # around z, where nothing is linked
     assert {name: tuple(np.round(v, 6)) for name, v in found.items()} == {
         name.lower().replace(" ", "_"): tuple(np.round(v[:3] if isinstance(v, tuple) else (v,) * 3, 6))
         for name, v in values.items()
@@ -106,18 +117,37 @@ def test_principled_reads_every_socket(tree):
     assert tree.warnings == []
 
 
+def test_a_plain_principled_computes_nothing(tree):
+    principled(tree)
+    program = tree.compile().surface
+    assert (len(program.code), program.closures[0].mode) == (0, 1)
+    assert program.closures[0].inputs[opcodes.CLOSURES["principled"].index("tangent")] == -1
+
+
 @pytest.mark.parametrize(
-    "socket", ["Subsurface Weight", "Anisotropic", "Thin Film Thickness", "Diffuse Roughness"]
+    "node, properties, inputs, kind, mode",
+    [
+        ("BsdfAnisotropic", {"distribution": "GGX"}, {}, "glossy", 0),
+        ("BsdfAnisotropic", {"distribution": "GGX"}, {"Anisotropy": 0.5}, "brushed", 0),
+        ("BsdfGlass", {"distribution": "GGX"}, {}, "glass", 0),
+        ("BsdfGlass", {"distribution": "GGX"}, {"Thin Film Thickness": 300.0}, "filmed_glass", 0),
+        ("BsdfMetallic", {"fresnel_type": "F82"}, {}, "metal", 1),
+        ("BsdfMetallic", {"fresnel_type": "PHYSICAL_CONDUCTOR"}, {}, "conductor", 1),
+        ("BsdfSheen", {"distribution": "MICROFIBER"}, {}, "sheen", 0),
+        ("BsdfSheen", {"distribution": "ASHIKHMIN"}, {}, "velvet", 0),
+        ("BsdfToon", {"component": "DIFFUSE"}, {}, "toon_diffuse", 0),
+        ("BsdfToon", {"component": "GLOSSY"}, {}, "toon_glossy", 0),
+        ("SubsurfaceScattering", {"falloff": "BURLEY"}, {}, "subsurface", 0),
+        ("SubsurfaceScattering", {"falloff": "RANDOM_WALK_SKIN"}, {}, "subsurface", 2),
+        ("Holdout", {}, {}, "holdout", 0),
+    ],
 )
-def test_principled_warns_about_what_it_lacks_only_where_active(tree, socket):
-    node = principled(tree)
-    node.inputs["Roughness"].default_value = 0.3
-    tree.compile()
+def test_shaders_become_the_plainest_closure(tree, node, properties, inputs, kind, mode):
+    made = tree.node(f"ShaderNode{node}", inputs, **properties)
+    tree.link(made.outputs[0], tree.output.inputs["Surface"])
+    closure = tree.compile().surface.closures[0]
+    assert (closure.kind, closure.mode) == (kind, mode)
     assert tree.warnings == []
-    node.inputs[socket].default_value = 0.5
-    tree.compile()
-    assert len(tree.warnings) == 1
-    assert "material 'Material', node 'Principled BSDF'" in tree.warnings[0]
 
 
 def test_mix_and_add_shaders_weigh_closures(tree):
@@ -148,7 +178,7 @@ def test_branch_with_weight_0_is_left_out(tree):
     assert tree.warnings == []
 
 
-@pytest.mark.parametrize("kind", ["Holdout", "BsdfHair", "BsdfToon", "EeveeSpecular"])
+@pytest.mark.parametrize("kind", ["BsdfHair", "BsdfHairPrincipled", "BsdfRayPortal", "EeveeSpecular"])
 def test_unsupported_shader_warns_and_is_black(tree, kind):
     tree.link(tree.node(f"ShaderNode{kind}").outputs[0], tree.output.inputs["Surface"])
     assert tree.compile().surface.closures == ()
@@ -158,10 +188,12 @@ def test_unsupported_shader_warns_and_is_black(tree, kind):
 def test_metallic_bsdf_is_a_metal(tree):
     node = tree.node("ShaderNodeBsdfMetallic", fresnel_type="F82")
     node.inputs["Base Color"].default_value = (0.9, 0.6, 0.2, 1)
+    node.inputs["Edge Tint"].default_value = (0.5, 0.7, 0.9, 1)
     tree.link(node.outputs[0], tree.output.inputs["Surface"])
     closure, _, found = closure_inputs(tree.compile().surface, {})
-    assert closure.kind == "principled"
-    assert (found["metallic"][0], tuple(found["base_color"])) == (1.0, pytest.approx((0.9, 0.6, 0.2)))
+    assert closure.kind == "metal"
+    assert tuple(found["base_color"]) == pytest.approx((0.9, 0.6, 0.2))
+    assert tuple(found["edge_tint"]) == pytest.approx((0.5, 0.7, 0.9))
 
 
 def test_volume_only_material_has_no_surface(tree):

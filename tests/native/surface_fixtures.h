@@ -67,14 +67,47 @@ struct PrincipledInputs {
     float sheen = 0, sheen_roughness = 0.5f;
     Vec3f sheen_tint{1}, emission_color{1};
     float emission_strength = 0;
+    float diffuse_roughness = 0, anisotropic = 0, anisotropic_rotation = 0;
+    Vec3f tangent{1, 0, 0};
+    float subsurface = 0;
+    Vec3f subsurface_radius{1, 0.2f, 0.1f};
+    float subsurface_scale = 0.05f, subsurface_ior = 1.4f, subsurface_anisotropy = 0;
+    float film_thickness = 0, film_ior = 1.33f;
 
     Program program(Distribution mode = Distribution::multi_ggx) const {
         const auto s = [](float v) { return Vec3f(v); };
         return ConstantProgram()
             .add(ClosureKind::principled,
-                 {base_color, s(metallic), s(roughness), s(ior), s(alpha), kNoNormal, s(specular_ior_level),
-                  specular_tint, s(transmission), s(coat), s(coat_roughness), s(coat_ior), coat_tint,
-                  kNoNormal, s(sheen), s(sheen_roughness), sheen_tint, emission_color, s(emission_strength)},
+                 {base_color,
+                  s(metallic),
+                  s(roughness),
+                  s(ior),
+                  s(alpha),
+                  kNoNormal,
+                  s(specular_ior_level),
+                  specular_tint,
+                  s(transmission),
+                  s(coat),
+                  s(coat_roughness),
+                  s(coat_ior),
+                  coat_tint,
+                  kNoNormal,
+                  s(sheen),
+                  s(sheen_roughness),
+                  sheen_tint,
+                  emission_color,
+                  s(emission_strength),
+                  s(diffuse_roughness),
+                  s(anisotropic),
+                  s(anisotropic_rotation),
+                  tangent,
+                  s(subsurface),
+                  subsurface_radius,
+                  s(subsurface_scale),
+                  s(subsurface_ior),
+                  s(subsurface_anisotropy),
+                  s(film_thickness),
+                  s(film_ior)},
                  mode)
             .program;
     }

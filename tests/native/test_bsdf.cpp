@@ -51,6 +51,43 @@ std::vector<NamedProgram> mixtures() {
          PrincipledInputs{.base_color = color, .roughness = 0.5f, .transmission = 0.5f}.program()},
         {"alpha and a smooth coat",
          PrincipledInputs{.base_color = color, .alpha = 0.6f, .coat = 1, .coat_roughness = 0}.program()},
+        {"brushed, filmed, roughly diffuse metal", PrincipledInputs{.base_color = color,
+                                                                    .metallic = 0.6f,
+                                                                    .roughness = 0.6f,
+                                                                    .diffuse_roughness = 0.5f,
+                                                                    .anisotropic = 0.7f,
+                                                                    .anisotropic_rotation = 0.1f,
+                                                                    .film_thickness = 300}
+                                                       .program()},
+        {"half below the surface", PrincipledInputs{.base_color = color, .subsurface = 0.5f}.program()},
+        {"brushed, toon, velvet, sheen",
+         ConstantProgram()
+             .add(ClosureKind::brushed, {color, s(0.6f), s(-0.4f), s(0.2f), kNoNormal, {1, 0, 0}},
+                  Distribution::multi_ggx, 0.3f)
+             .add(ClosureKind::toon_glossy, {color, s(0.3f), s(0.3f), kNoNormal}, Distribution::ggx, 0.2f)
+             .add(ClosureKind::toon_diffuse, {color, s(0.6f), s(0), kNoNormal}, Distribution::ggx, 0.2f)
+             .add(ClosureKind::velvet, {color, s(0.7f), kNoNormal}, Distribution::ggx, 0.2f)
+             .add(ClosureKind::sheen, {color, s(0.7f), kNoNormal}, Distribution::ggx, 0.2f)
+             .program},
+        {"conductor, filmed glass, metal",
+         ConstantProgram()
+             .add(ClosureKind::conductor,
+                  {Vec3f(0.2f, 0.5f, 1.4f),
+                   Vec3f(3, 2, 1),
+                   s(0.5f),
+                   s(0.3f),
+                   s(0.4f),
+                   kNoNormal,
+                   {1, 0, 0},
+                   s(0),
+                   s(1.33f)},
+                  Distribution::multi_ggx, 0.3f)
+             .add(ClosureKind::filmed_glass, {color, s(0.5f), s(1.5f), kNoNormal, s(400), s(1.7f)},
+                  Distribution::multi_ggx, 0.4f)
+             .add(ClosureKind::metal,
+                  {color, s(0.8f), s(0.6f), s(0.5f), s(0), kNoNormal, kNoNormal, s(250), s(1.5f)},
+                  Distribution::beckmann, 0.3f)
+             .program},
         {"diffuse and mirror",
          ConstantProgram()
              .add(ClosureKind::diffuse, {color, s(0), kNoNormal}, Distribution::ggx, 0.5f)
@@ -198,6 +235,14 @@ TEST(Bsdf, NoPrincipledSurfaceGainsEnergy) {
             for (const PrincipledInputs& p : std::initializer_list<PrincipledInputs>{
                      {.base_color = s(1), .roughness = roughness},
                      {.base_color = s(1), .metallic = 1, .roughness = roughness},
+                     {.base_color = s(1), .metallic = 1, .roughness = roughness, .anisotropic = 1},
+                     {.base_color = s(1),
+                     .roughness = roughness,
+                     .diffuse_roughness = 1,
+                     .subsurface = 0.5f,
+                     .film_thickness = 500,
+                     .film_ior = 2},
+                     {.base_color = s(1), .roughness = roughness, .transmission = 1, .film_thickness = 300},
                      {.base_color = s(1), .roughness = roughness, .transmission = 1},
                      {.base_color = s(1),
                      .metallic = 0.3f,

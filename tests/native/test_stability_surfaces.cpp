@@ -253,6 +253,25 @@ TEST(StabilitySurfaces, AnyInputIsFinite) {
                         p.add(kind, {Vec3f(0.9f), Vec3f(roughness), Vec3f(ior), testing::kNoNormal}, mode);
                         check_bsdf(p.program, wo, what);
                     }
+                    for (const ClosureKind kind : {ClosureKind::sheen, ClosureKind::velvet}) {
+                        testing::ConstantProgram p;
+                        p.add(kind, {Vec3f(0.9f), Vec3f(roughness), testing::kNoNormal}, mode);
+                        check_bsdf(p.program, wo, "sheen " + what);
+                    }
+                    for (const ClosureKind kind : {ClosureKind::toon_diffuse, ClosureKind::toon_glossy}) {
+                        testing::ConstantProgram p;
+                        p.add(kind,
+                              {Vec3f(0.9f), Vec3f(roughness), Vec3f(1 - roughness), testing::kNoNormal});
+                        check_bsdf(p.program, wo, "toon " + what);
+                    }
+                    for (const float amount : {-1.0f, 1.0f}) {
+                        testing::ConstantProgram p;
+                        p.add(ClosureKind::brushed,
+                              {Vec3f(0.9f), Vec3f(roughness), Vec3f(amount), Vec3f(0.2f), testing::kNoNormal,
+                               Vec3f(1, 0, 0)},
+                              mode);
+                        check_bsdf(p.program, wo, "brushed " + what);
+                    }
                     testing::ConstantProgram plastic;
                     plastic.add(ClosureKind::plastic,
                                 {Vec3f(0.5f), Vec3f(roughness), Vec3f(ior), Vec3f(1), testing::kNoNormal},
@@ -267,6 +286,25 @@ TEST(StabilitySurfaces, AnyInputIsFinite) {
                     in.sheen = 0.2f;
                     in.specular_ior_level = 0.7f;
                     check_bsdf(in.program(mode), wo, "principled " + what);
+                    in.anisotropic = in.diffuse_roughness = 1;
+                    in.subsurface = 0.5f;
+                    in.subsurface_ior = ior;
+                    in.film_ior = ior;
+                    for (const float thickness : {1e-3f, 500.0f, 1e30f}) {
+                        in.film_thickness = thickness;
+                        in.metallic = 0.5f;
+                        check_bsdf(in.program(mode), wo, "filmed " + what);
+                        in.metallic = 0;
+                        check_bsdf(in.program(mode), wo, "filmed dielectric " + what);
+                    }
+                    for (const float k : {0.0f, 3.0f, 1e20f}) {
+                        testing::ConstantProgram conductor;
+                        conductor.add(ClosureKind::conductor,
+                                      {Vec3f(ior), Vec3f(k), Vec3f(roughness), Vec3f(1), Vec3f(0.3f),
+                                       testing::kNoNormal, Vec3f(1, 0, 0), Vec3f(k), Vec3f(1.5f)},
+                                      mode);
+                        check_bsdf(conductor.program, wo, "conductor " + what);
+                    }
                 }
             }
         }

@@ -45,7 +45,8 @@ def ball(subdivisions):
 def principled(metallic=0.0, transmission=0.0, roughness=0.5):
     base = (1.0, metallic, roughness, 1.5, 1.0, None, 0.5, 1.0, transmission)
     coat, sheen, shine = (0.0, 0.03, 1.5, 1.0, None), (0.0, 0.5, 1.0), (0.0, 0.0)
-    return constant_program(("principled", *base, *coat, *sheen, *shine))
+    brushed, below, film = (0.0, 0.0, 0.0, None), (0.0, 0.0, 0.0, 1.4, 0.0), (0.0, 1.33)
+    return constant_program(("principled", *base, *coat, *sheen, *shine, *brushed, *below, *film))
 
 
 def furnace(mesh, surface, samples=64):
