@@ -3,9 +3,10 @@
 roots.
 
 Screenshots go to build/screenshots/HOST. A Python error in a panel or operator ends in a traceback on
-Blender's output, which fails the test. The rendered viewport has its place here as a further scenario of
-inside/.
+Blender's output, which fails the test.
 """
+
+import json
 
 import numpy as np
 import pytest
@@ -125,3 +126,64 @@ def test_renders_with_windows(host, installed, scene_for, shots):
 def test_session_with_windows(host, installed, scene_for, shots):
     copy = fresh(WORK / host.name / "session") / "saved.blend"
     check_output(host.show("ui_session.py", shots, scene_for(host, "cloud"), copy, resources=installed))
+
+
+def colours(path, box=None):
+    """Returns a picture's colours, or those in a box (x0, y0, x1, y1) of it, (height, width, 3)."""
+    picture = Image.open(path).convert("RGB")
+    return np.asarray(picture.crop([round(side) for side in box]) if box else picture, float)
+
+
+def blocks(picture, size=16):
+    """Returns the means of blocks of size x size pixels: what noise leaves alone."""
+    height, width = (side // size * size for side in picture.shape[:2])
+    cut = picture[:height, :width]
+    return cut.reshape(height // size, size, width // size, size, 3).mean(axis=(1, 3))
+
+
+def test_viewport_with_windows(host, installed, scene_for, shots):
+    """Shot after shot is looked at where the facts of inside/ui_viewport.py say the view lies."""
+    folder = fresh(WORK / host.name / "viewport_pictures")
+    scenes = [scene_for(host, name) for name in ("cloud", "smoke")]
+    arguments = (shots, *scenes, folder)
+    text = host.show("ui_viewport.py", *arguments, resources=installed, screen=(1000, 700), timeout=3600)
+    check_output(text)
+    facts = json.loads((folder / "facts.json").read_text())
+    left, top, right, bottom = facts["view"]
+    middle = (left + 100, top + 100, right - 100, bottom - 60)  # what no button covers
+
+    def view(name, box=middle):
+        return colours(shots / f"viewport_{name}.png", box)
+
+    def differ(name, other):
+        return np.abs(blocks(view(name)) - blocks(view(other))).mean()
+
+    # Framing, exposure and colours are those of F12; what remains is noise, and half a pixel.
+    final = colours(folder / "f12.png")
+    shown = view("done", facts["frame"])[: final.shape[0], : final.shape[1]]
+    final = final[: shown.shape[0], : shown.shape[1]]
+    assert np.abs(blocks(shown) - blocks(final)).mean() < 2
+    assert np.abs(blocks(shown) - blocks(final[:, ::-1])).mean() > 8  # the comparison can fail
+    assert facts["first_divider"] >= 2
+    assert (
+        np.abs(np.diff(view("early", facts["frame"]), axis=1)).mean() != np.abs(np.diff(shown, axis=1)).mean()
+    )
+    for name, other in (
+        ("orbit_before", "orbit_after"),
+        ("orbit_after", "orthographic"),
+        ("edit_before", "edit_material"),
+        ("edit_material", "edit_objects"),
+        ("pass_vsp_target", "pass_combined"),
+        ("pass_normal", "pass_depth"),
+        ("camera_border", "border"),
+        ("frame_1", "frame_2"),
+    ):
+        assert differ(name, other) > 2, (name, other)
+    assert differ("edit_material", "undo_objects") < 1
+    assert differ("edit_before", "undo_material") < 1
+    assert facts["parts"]["found"] > facts["parts"]["made"]
+    outside = (left + 100, bottom - 200, right - 100, bottom - 60)  # the lower half has no border
+    assert np.ptp(view("border", outside), axis=(0, 1)).max() < np.ptp(view("border"), axis=(0, 1)).max()
+    sizes = facts["sizes"]
+    assert max(sizes) < 1.02 * sizes[0], [size >> 20 for size in sizes]
+    print("orbit (first picture, native seconds):", facts["orbit"])

@@ -242,6 +242,9 @@ def two_views():
     """A second view beside the first, and F12 beside both; an error is told in the view."""
     with stage.override(area=areas()[0], region=region(areas()[0])):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield 1.0
+    for area in areas():  # Blender gives a new view another shading
+        area.spaces.active.shading.type = "RENDERED"
     yield lambda: len(workers()) == 2
     areas()[1].spaces.active.region_3d.view_perspective = "PERSP"
     yield from rendered(count=2)
