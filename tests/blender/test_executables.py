@@ -184,6 +184,7 @@ def test_viewport_with_windows(host, installed, scene_for, shots):
     assert facts["parts"]["found"] > facts["parts"]["made"]
     outside = (left + 100, bottom - 200, right - 100, bottom - 60)  # the lower half has no border
     assert np.ptp(view("border", outside), axis=(0, 1)).max() < np.ptp(view("border"), axis=(0, 1)).max()
-    sizes = facts["sizes"]
-    assert max(sizes) < 1.02 * sizes[0], [size >> 20 for size in sizes]
+    # From Solid to Rendered and back: single sizes vary by 2 % where Blender's allocator keeps what is freed.
+    earlier, later = np.array_split(facts["sizes"], 2)
+    assert np.median(later) < 1.02 * np.median(earlier), [size >> 20 for size in facts["sizes"]]
     print("orbit (first picture, native seconds):", facts["orbit"])
