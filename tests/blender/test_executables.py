@@ -168,22 +168,28 @@ def test_viewport_with_windows(host, installed, scene_for, shots):
     assert (
         np.abs(np.diff(view("early", facts["frame"]), axis=1)).mean() != np.abs(np.diff(shown, axis=1)).mean()
     )
-    for name, other in (
-        ("orbit_before", "orbit_after"),
-        ("orbit_after", "orthographic"),
-        ("edit_before", "edit_material"),
-        ("edit_material", "edit_objects"),
-        ("pass_vsp_target", "pass_combined"),
-        ("pass_normal", "pass_depth"),
-        ("camera_border", "border"),
-        ("frame_1", "frame_2"),
+    for name, other, least in (
+        ("orbit_before", "orbit_after", 5),
+        ("orbit_after", "orthographic", 5),
+        ("edit_before", "edit_material", 3),
+        ("edit_material", "edit_objects", 10),
+        ("pass_vsp_target", "pass_combined", 30),
+        ("pass_normal", "pass_depth", 30),
+        ("camera_border", "border", 10),
+        ("frame_1", "frame_2", 0.5),  # one frame of smoke later
     ):
-        assert differ(name, other) > 2, (name, other)
-    assert differ("edit_material", "undo_objects") < 1
-    assert differ("edit_before", "undo_material") < 1
+        assert differ(name, other) > least, (name, other)
+    assert differ("edit_material", "undo_objects") == 0  # to the last bit of the same paths
+    assert differ("edit_before", "undo_material") == 0
     assert facts["parts"]["found"] > facts["parts"]["made"]
-    outside = (left + 100, bottom - 200, right - 100, bottom - 60)  # the lower half has no border
-    assert np.ptp(view("border", outside), axis=(0, 1)).max() < np.ptp(view("border"), axis=(0, 1)).max()
+
+    def spread(box):
+        pixels = view("border", box)
+        return np.median(np.abs(pixels - np.median(pixels, axis=(0, 1))))
+
+    centre = (left + right) / 2
+    assert spread((left + 100, bottom - 200, right - 100, bottom - 60)) < 1  # below it: Blender's grey
+    assert spread((centre - 150, top + 150, centre + 150, top + 260)) > 5
     # From Solid to Rendered and back: single sizes vary by 2 % where Blender's allocator keeps what is freed.
     earlier, later = np.array_split(facts["sizes"], 2)
     assert np.median(later) < 1.02 * np.median(earlier), [size >> 20 for size in facts["sizes"]]
