@@ -317,6 +317,14 @@ def sequence(blend):
         assert volume.path.endswith(f"_{frame:04d}.vdb"), volume.path
 
 
+def popover():
+    """The shading popover, with our panel in it; a panel that fails to draw leaves a traceback."""
+    with over_view():
+        bpy.ops.wm.call_panel("INVOKE_DEFAULT", name="VIEW3D_PT_shading", keep_open=True)
+    yield 1.0
+    yield from shot("viewport_popover")
+
+
 def scenario():
     _, still_blend, sequence_blend, folder = common.arguments()
     yield from samples_arrive(still_blend)
@@ -329,6 +337,7 @@ def scenario():
     yield from modes()
     yield from previews()
     yield from sequence(sequence_blend)
+    yield from popover()
     Path(folder, "facts.json").write_text(json.dumps(facts, indent=1))
 
 
