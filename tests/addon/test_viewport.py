@@ -141,6 +141,7 @@ def test_the_view_is_the_final_render(bpy, view, camera):
 
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y, scene.nephele.samples = 48, 32, 4
+    scene.nephele.hierarchy = "by_mesh"  # as views have it
     bpy.context.view_layer.update()
     view.update()
     pixels = view.finish()
