@@ -53,10 +53,9 @@ class Viewport:
             scene = self._session.export(depsgraph, engine=engine, motion=False, space=context.space_data)
         except USER_FAULTS as fault:
             self._fail(str(fault))
-        except Exception as fault:  # noqa: BLE001 - an exception would come back with every redraw
-            traceback.print_exc()
+        except Exception as fault:  # noqa: BLE001 - an exception would come back with every update
             self._session = None
-            self._fail(f"internal error: {type(fault).__name__}: {fault}")
+            self._fail(self._bug(fault))
         else:
             self._message = ""
             if self._scene is None or not scene_same(scene, self._scene):
@@ -71,6 +70,8 @@ class Viewport:
                 self._ask(engine, context, depsgraph)
             except USER_FAULTS as fault:
                 self._stop(str(fault))
+            except Exception as fault:  # noqa: BLE001 - and with every redraw
+                self._stop(self._bug(fault))
         worker = self._worker
         picture = None
         if worker is not None:
@@ -140,6 +141,13 @@ class Viewport:
             self._job, self._message = job, ""
             self._worker.session = self._session
             self._worker.request(job)
+
+    def _bug(self, fault):
+        """Returns what to say of a fault that is ours, whose traceback is printed once."""
+        message = f"internal error: {type(fault).__name__}: {fault}"
+        if message != self._message:
+            traceback.print_exception(fault)
+        return message
 
     def _fail(self, message):
         self._scene = None

@@ -251,5 +251,6 @@ def _scene_of(job, part, samples):
         crop=part.crop,
         passes=passes_for(job.shown, job.denoise),
     )
-    endless = {"samples": samples, "time_limit": 0.0, "target_error": 0.0, "estimate_error": False}
-    return replace(job.scene, camera=part.camera, film=film, settings=job.scene.settings | endless)
+    ours = {"samples": samples, "time_limit": 0.0, "target_error": 0.0, "estimate_error": False}
+    ours["hierarchy"] = "by_mesh"  # objects that are dragged about are not to wait for all triangles
+    return replace(job.scene, camera=part.camera, film=film, settings=job.scene.settings | ours)

@@ -141,6 +141,7 @@ def test_the_view_is_the_final_render(bpy, view, camera):
 
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y, scene.nephele.samples = 48, 32, 4
+    scene.nephele.hierarchy = "by_mesh"  # as views have it
     bpy.context.view_layer.update()
     view.update()
     pixels = view.finish()
@@ -274,13 +275,15 @@ def test_faults_of_the_export_are_told_and_mended(bpy, view, link):
     assert view.engine.texts[-1].startswith("Sample 4/4")
 
 
-def test_bugs_are_told_once(view, monkeypatch, capsys):
-    monkeypatch.setattr(viewport.Session, "export", lambda *_, **__: 1 / 0)
+@pytest.mark.parametrize("where", [(viewport.Session, "export"), (viewport, "view_of")])
+def test_bugs_are_told_once(view, monkeypatch, capsys, where):
+    monkeypatch.setattr(*where, lambda *_, **__: 1 / 0)
     for _ in range(3):
         view.update()
         view.draw()
-    assert view.engine.texts == ["internal error: ZeroDivisionError: division by zero"]
-    assert "Traceback" in capsys.readouterr().err
+    assert view.engine.texts[-1] == "internal error: ZeroDivisionError: division by zero"
+    assert capsys.readouterr().err.count("Traceback") == (3 if where[1] == "view_of" else 1)
+    monkeypatch.undo()
 
 
 def test_undo_makes_the_export_look_at_everything(bpy, view):

@@ -127,6 +127,7 @@ def test_views_have_no_limits_but_their_samples(worker):
     wait_for(idle(worker))
     settings = worker.session.built[-1].scene.settings
     assert (settings["samples"], settings["time_limit"], settings["target_error"]) == (4, 0.0, 0.0)
+    assert settings["hierarchy"] == "by_mesh"
 
 
 def test_pictures_arrive_while_it_renders(worker):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rendered 3D view: samples arrive, orbit, edits, undo, a VDB sequence, passes, borders, two views, F12
-beside them, back to Solid; previews of materials.
+beside them, back to Solid; previews.
 
 The extension is installed already. Arguments: folder for screenshots, .blend of a still scene, .blend of a
 scene with a VDB sequence, folder for pictures. What the test outside compares is in the folder of pictures:
@@ -17,7 +17,7 @@ import bpy
 import common
 import stage
 
-SAMPLES = 16
+SAMPLES = 8
 CYCLES = 20  # from Solid to Rendered and back
 facts = {}
 
@@ -242,6 +242,9 @@ def two_views():
     """A second view beside the first, and F12 beside both; an error is told in the view."""
     with stage.override(area=areas()[0], region=region(areas()[0])):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield 1.0
+    for area in areas():  # Blender gives a new view another shading
+        area.spaces.active.shading.type = "RENDERED"
     yield lambda: len(workers()) == 2
     areas()[1].spaces.active.region_3d.view_perspective = "PERSP"
     yield from rendered(count=2)
@@ -280,19 +283,19 @@ def modes():
 
 
 def previews():
-    """Previews of materials in the properties editor: one of a surface and one of a volume."""
+    """Previews in the properties editor: of a surface, a volume, the world and a lamp."""
     area = areas()[0]
     area.type = "PROPERTIES"
     yield 1.0
     area.spaces.active.search_filter = "preview"
-    for name in ("Copper ball", "Cloud"):
-        item = bpy.context.scene.objects[name]
-        stage.window().view_layer.objects.active = item
+    tabs = (("Copper ball", "MATERIAL"), ("Cloud", "MATERIAL"), ("Cloud", "WORLD"), ("Panel", "DATA"))
+    for name, tab in tabs:
+        stage.window().view_layer.objects.active = bpy.context.scene.objects[name]
         yield 0.5
-        area.spaces.active.context = "MATERIAL"
+        area.spaces.active.context = tab
         yield 3.0
         yield lambda: not bpy.app.is_job_running("RENDER_PREVIEW")
-        yield from shot(f"preview_{name.split()[0].lower()}")
+        yield from shot(f"preview_{tab.lower()}_{name.split()[0].lower()}")
     area.spaces.active.search_filter = ""
     area.type = "VIEW_3D"
 
@@ -314,6 +317,14 @@ def sequence(blend):
         assert volume.path.endswith(f"_{frame:04d}.vdb"), volume.path
 
 
+def popover():
+    """The shading popover, with our panel in it; a panel that fails to draw leaves a traceback."""
+    with over_view():
+        bpy.ops.wm.call_panel("INVOKE_DEFAULT", name="VIEW3D_PT_shading", keep_open=True)
+    yield 1.0
+    yield from shot("viewport_popover")
+
+
 def scenario():
     _, still_blend, sequence_blend, folder = common.arguments()
     yield from samples_arrive(still_blend)
@@ -326,6 +337,7 @@ def scenario():
     yield from modes()
     yield from previews()
     yield from sequence(sequence_blend)
+    yield from popover()
     Path(folder, "facts.json").write_text(json.dumps(facts, indent=1))
 
 
