@@ -191,9 +191,8 @@ class NEPHELE_PT_issues(OurPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        row = layout.row()
-        row.label(text=findings.origin or "Not looked for yet")
-        row.operator(NEPHELE_OT_check_scene.bl_idname, icon="FILE_REFRESH")
+        layout.operator(NEPHELE_OT_check_scene.bl_idname, icon="FILE_REFRESH")
+        layout.label(text=findings.origin or "Neither rendered nor checked yet")
         width = _letters(context)
         if findings.fault:
             box = layout.box()

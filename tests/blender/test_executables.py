@@ -141,3 +141,13 @@ def test_rounds_of_actions_leave_no_memory(host, installed, scene_for, shots):
     assert len(told["actions"]) / ROUNDS * (ROUNDS - WARM_UP) >= 50
     steady = told["memory"][WARM_UP - 1 :]
     assert max(steady) < 1.02 * steady[0], told["memory"]
+
+
+def test_new_user(host, shots):
+    """From the zip to the first volume: less than a minute of one core, at the size that Blender starts
+    with."""
+    folder = fresh(WORK / host.name / "new_user")
+    arguments = (shots, package(host.kind), folder / "times.json")
+    check_output(host.show("ui_first_render.py", *arguments, resources=fresh(folder / "user")))
+    times = json.loads((folder / "times.json").read_text())
+    assert times["of it render, processor"] < 60, times
