@@ -79,6 +79,14 @@ class NEPHELE_PT_override(OurPanel, bpy.types.Panel):
             self.layout.prop(context.view_layer, "world_override")
 
 
+FILTERED = (
+    ("use_sky", "Environment"),
+    ("use_solid", "Surfaces"),
+    ("use_strand", "Curves"),
+    ("use_volumes", "Volumes"),
+)
+
+
 class NEPHELE_PT_layer_filter(OurPanel, bpy.types.Panel):
     """What of the scene the view layer leaves out: of Blender's choices those that Nephele has."""
 
@@ -89,7 +97,9 @@ class NEPHELE_PT_layer_filter(OurPanel, bpy.types.Panel):
     def draw(self, context):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        self.layout.prop(context.view_layer, "use_sky", text="Environment")
+        column = self.layout.column(heading="Include")
+        for name, label in FILTERED:
+            column.prop(context.view_layer, name, text=label)
 
 
 CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_layer_filter, NEPHELE_PT_override)
