@@ -15,7 +15,7 @@ from typing import ClassVar
 import bpy
 
 from . import engine
-from .export import ExportError, export_scene
+from .export import export_scene
 from .issues import OBJECT_KINDS, by_owner
 from .panels import OurPanel
 
@@ -72,7 +72,7 @@ class NEPHELE_OT_check_scene(bpy.types.Operator):
         try:
             scene = export_scene(context.evaluated_depsgraph_get(), motion=False)
             findings = Findings("Scene as the viewport has it", scene.warnings)
-        except ExportError as fault:
+        except engine.USER_FAULTS as fault:
             findings = Findings("Scene as the viewport has it", (), str(fault))
         count = len(findings.warnings) + bool(findings.fault)
         self.report({"INFO"}, f"{count} issues" if count != 1 else "1 issue")
