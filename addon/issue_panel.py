@@ -45,13 +45,16 @@ class Findings:
 
 
 findings = Findings()
+_of_layers = {}  # name of a view layer -> RenderRecord of its last render: a picture may take several
 
 
 def _rendered(record):
     """Takes over what a render found, as its engine tells."""
     global findings
+    _of_layers[record.view_layer] = record
+    warnings = dict.fromkeys(text for known in _of_layers.values() for text in known.warnings)
     fault = record.message if record.state == "failed" else ""
-    findings = Findings(f"Last render, frame {record.frame}", tuple(record.warnings), fault)
+    findings = Findings(f"Last render, frame {record.frame}", tuple(warnings), fault)
 
 
 @bpy.app.handlers.persistent
@@ -59,6 +62,7 @@ def _forget(*_):
     """Another file was opened: what was found is not of it."""
     global findings
     findings = Findings()
+    _of_layers.clear()
 
 
 class NEPHELE_OT_check_scene(bpy.types.Operator):
