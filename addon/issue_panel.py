@@ -45,14 +45,14 @@ class Findings:
 
 
 findings = Findings()
-_of_layers = {}  # name of a view layer -> RenderRecord of its last render: a picture may take several
+_of_layers = {}  # name of a view layer -> warnings of its last render: a picture may take several
 
 
 def _rendered(record):
     """Takes over what a render found, as its engine tells."""
     global findings
-    _of_layers[record.view_layer] = record
-    warnings = dict.fromkeys(text for known in _of_layers.values() for text in known.warnings)
+    _of_layers[record.view_layer] = tuple(record.warnings)
+    warnings = dict.fromkeys(text for found in _of_layers.values() for text in found)
     fault = record.message if record.state == "failed" else ""
     findings = Findings(f"Last render, frame {record.frame}", tuple(warnings), fault)
 
