@@ -15,7 +15,7 @@ from typing import ClassVar
 import bpy
 
 from . import engine
-from .export import ExportError, export_scene
+from .export import export_scene
 from .issues import OBJECT_KINDS, by_owner
 from .panels import OurPanel
 
@@ -45,13 +45,16 @@ class Findings:
 
 
 findings = Findings()
+_of_layers = {}  # name of a view layer -> warnings of its last render: a picture may take several
 
 
 def _rendered(record):
     """Takes over what a render found, as its engine tells."""
     global findings
+    _of_layers[record.view_layer] = tuple(record.warnings)
+    warnings = dict.fromkeys(text for found in _of_layers.values() for text in found)
     fault = record.message if record.state == "failed" else ""
-    findings = Findings(f"Last render, frame {record.frame}", tuple(record.warnings), fault)
+    findings = Findings(f"Last render, frame {record.frame}", tuple(warnings), fault)
 
 
 @bpy.app.handlers.persistent
@@ -59,6 +62,7 @@ def _forget(*_):
     """Another file was opened: what was found is not of it."""
     global findings
     findings = Findings()
+    _of_layers.clear()
 
 
 class NEPHELE_OT_check_scene(bpy.types.Operator):
@@ -72,7 +76,7 @@ class NEPHELE_OT_check_scene(bpy.types.Operator):
         try:
             scene = export_scene(context.evaluated_depsgraph_get(), motion=False)
             findings = Findings("Scene as the viewport has it", scene.warnings)
-        except ExportError as fault:
+        except engine.USER_FAULTS as fault:
             findings = Findings("Scene as the viewport has it", (), str(fault))
         count = len(findings.warnings) + bool(findings.fault)
         self.report({"INFO"}, f"{count} issues" if count != 1 else "1 issue")
@@ -191,9 +195,8 @@ class NEPHELE_PT_issues(OurPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        row = layout.row()
-        row.label(text=findings.origin or "Not looked for yet")
-        row.operator(NEPHELE_OT_check_scene.bl_idname, icon="FILE_REFRESH")
+        layout.operator(NEPHELE_OT_check_scene.bl_idname, icon="FILE_REFRESH")
+        layout.label(text=findings.origin or "Neither rendered nor checked yet")
         width = _letters(context)
         if findings.fault:
             box = layout.box()

@@ -76,9 +76,34 @@ class NEPHELE_PT_override(OurPanel, bpy.types.Panel):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         self.layout.prop(context.view_layer, "material_override")
+        if hasattr(context.view_layer, "world_override"):  # Blender has it since 4.4
+            self.layout.prop(context.view_layer, "world_override")
 
 
-CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_override)
+FILTERED = (
+    ("use_sky", "Environment"),
+    ("use_solid", "Surfaces"),
+    ("use_strand", "Curves"),
+    ("use_volumes", "Volumes"),
+)
+
+
+class NEPHELE_PT_layer_filter(OurPanel, bpy.types.Panel):
+    """What of the scene the view layer leaves out: of Blender's choices those that Nephele has."""
+
+    bl_label = "Filter"
+    bl_context = "view_layer"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        column = self.layout.column(heading="Include")
+        for name, label in FILTERED:
+            column.prop(context.view_layer, name, text=label)
+
+
+CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_layer_filter, NEPHELE_PT_override)
 
 
 def register():

@@ -114,6 +114,25 @@ class NEPHELE_PT_mist(OurPanel, bpy.types.Panel):
             column.prop(mist, name)
 
 
+class NEPHELE_PT_world_visibility(OurPanel, bpy.types.Panel):
+    """Which kinds of rays see the world. The properties are those that Cycles adds to worlds."""
+
+    bl_label = "Ray Visibility"
+    bl_context = "world"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return hasattr(context.world, "cycles_visibility") and super().poll(context)
+
+    def draw(self, context):
+        visibility, column = context.world.cycles_visibility, self.layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        for rays in ("camera", "diffuse", "glossy", "transmission", "scatter"):
+            column.prop(visibility, rays)
+
+
 BUMP = "Rendered as bump: the surface itself stays as it is"
 CLASSES = (
     _node_panel("material", "material", "Surface", "Surface"),
@@ -123,6 +142,7 @@ CLASSES = (
     _node_panel("world", "world", "Surface", "Surface"),
     _node_panel("world", "world", "Volume", "Volume", closed=True),
     NEPHELE_PT_mist,
+    NEPHELE_PT_world_visibility,
     NEPHELE_PT_light,
     _node_panel("light", "data", "Surface", "Nodes", closed=True),
 )

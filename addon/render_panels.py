@@ -6,6 +6,13 @@ from typing import ClassVar
 import bpy
 
 from . import engine
+from .blender_panels import (
+    NEPHELE_PT_compositor,
+    NEPHELE_PT_curves,
+    NEPHELE_PT_motion_blur,
+    NEPHELE_PT_shutter_curve,
+    NEPHELE_PT_simplify,
+)
 from .panels import OurPanel
 from .parameters import PARAMETERS
 from .preset_menu import NEPHELE_PT_presets
@@ -114,63 +121,6 @@ def _group_panels(group, label, closed):
         yield _panel(f"{group}_{identifier}", sublabel, subclosed, subnames, parent=group)
 
 
-class NEPHELE_PT_motion_blur(OurPanel, bpy.types.Panel):
-    """Blender's settings of the shutter."""
-
-    bl_label = "Motion Blur"
-    bl_context = "render"
-    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context):
-        self.layout.prop(context.scene.render, "use_motion_blur", text="")
-
-    def draw(self, context):
-        layout, render = self.layout, context.scene.render
-        layout.use_property_split = True
-        layout.active = render.use_motion_blur
-        layout.prop(render, "motion_blur_position", text="Position")
-        layout.prop(render, "motion_blur_shutter")
-
-
-class NEPHELE_PT_compositor(OurPanel, bpy.types.Panel):
-    """Blender's settings of what the compositor runs on."""
-
-    bl_label = "Compositor"
-    bl_context = "render"
-    bl_parent_id = "NEPHELE_PT_performance"
-    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout, render = self.layout, context.scene.render
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.prop(render, "compositor_device", text="Device")
-        layout.prop(render, "compositor_precision", text="Precision")
-
-
-class NEPHELE_PT_simplify(OurPanel, bpy.types.Panel):
-    """Blender's simplification, for final renders and for the 3D view."""
-
-    bl_label = "Simplify"
-    bl_context = "render"
-    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context):
-        self.layout.prop(context.scene.render, "use_simplify", text="")
-
-    def draw(self, context):
-        layout, render = self.layout, context.scene.render
-        layout.use_property_split = True
-        layout.active = render.use_simplify
-        column = layout.column(heading="Render", align=True)
-        column.prop(render, "simplify_subdivision_render", text="Max Subdivision")
-        column.prop(render, "simplify_child_particles_render", text="Child Particles")
-        column = layout.column(heading="Viewport", align=True)
-        column.prop(render, "simplify_subdivision", text="Max Subdivision")
-        column.prop(render, "simplify_child_particles", text="Child Particles")
-        column.prop(render, "simplify_volumes", text="Volume Resolution")
-
-
 class NEPHELE_PT_report(OurPanel, bpy.types.Panel):
     """What the last render took, and how its error fell, where it was estimated."""
 
@@ -211,6 +161,8 @@ def _classes():
         yield from _group_panels(*row)
         if row[0] == "paths":
             yield NEPHELE_PT_motion_blur
+            yield NEPHELE_PT_shutter_curve
+            yield NEPHELE_PT_curves
         if row[0] == "performance":
             yield NEPHELE_PT_compositor
             yield NEPHELE_PT_simplify

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes the pictures of docs/user anew: `make pictures`, as root.
+"""Takes the pictures of docs/user anew: `make pictures`, as root; `user_pictures.py STEP...` some of STEPS.
 
 Panels come from the windows of Debian's Blender in build/roots/trixie with the zip of `make extension
-KINDS=system`; the maps of guiding from the bundled cloud, rendered by `nephele render`.
+KINDS=system`; the maps of guiding from the bundled smoke, rendered by `nephele render`.
 """
 
 import json
@@ -43,25 +43,31 @@ def host_and_scene():
 
 
 def take_panels():
-    """Takes the pictures of panels, and of a first render."""
+    """Takes the pictures of panels."""
     host, scene = host_and_scene()
     shots, resources = fresh(WORK / "pictures_of_panels"), fresh(WORK / "picture_user")
-    zip_path = package(host.kind)
-    first = (shots, zip_path, shots / "times.json")
-    host.show("ui_first_render.py", *first, resources=fresh(WORK / "picture_new_user"), screen=(1200, 750))
     install = ("--command", "extension", "install-file", "--repo", "user_default", "--enable")
-    run(host.blender(*install, str(zip_path)), resources, 120)
+    run(host.blender(*install, str(package(host.kind))), resources, 120)
     host.show("ui_pictures.py", shots, scene, resources=resources, screen=(640, 1500))
     for name, box in json.loads((shots / "crops.json").read_text()).items():
         save(Image.open(shots / f"{name}.png").crop(box), name)
-    Image.open(shots / "first_render.png").convert("RGB").save(PICTURES / "first_render.jpg", quality=80)
+
+
+def take_first_render():
+    """Takes the picture of a new user's first render, and prints how long its steps took."""
+    host = next(host for host in EXECUTABLES if host.name == "trixie")
+    shots, resources = fresh(WORK / "first_render"), fresh(WORK / "new_user")
+    arguments = (shots, package(host.kind), shots / "times.json")
+    host.show("ui_first_render.py", *arguments, resources=resources, screen=(1200, 750))
+    picture = Image.open(shots / "first_render.png").convert("RGB").crop((0, 50, 1200, 750))
+    picture.save(PICTURES / "first_render.jpg", quality=80)
     print((shots / "times.json").read_text())
 
 
 def make_maps():
-    """Renders the bundled cloud, and writes it beside its maps of guiding."""
-    out = fresh(WORK / "maps") / "cloud.exr"
-    command = [sys.executable, "-m", "nephele", "render", "blend_scenes/cloud/cloud.blend", "-o", str(out)]
+    """Renders the bundled smoke, and writes it beside its maps of guiding."""
+    out = fresh(WORK / "maps") / "smoke.exr"
+    command = [sys.executable, "-m", "nephele", "render", "blend_scenes/smoke/smoke.blend", "-o", str(out)]
     command += ["--resolution", "320x180", "--samples", "64", "--quiet"]
     command += ["--passes", "Combined,VSP Target,VSP Achieved"]
     subprocess.run(command, check=True, cwd=ROOT)
@@ -77,7 +83,9 @@ def make_maps():
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size} bytes")
 
 
+STEPS = {"maps": make_maps, "panels": take_panels, "first_render": take_first_render}
+
 if __name__ == "__main__":
     PICTURES.mkdir(parents=True, exist_ok=True)
-    make_maps()
-    take_panels()
+    for step in sys.argv[1:] or STEPS:
+        STEPS[step]()

@@ -106,5 +106,10 @@ def test_panel_shows_the_last_render(bpy):
     assert (found.origin, found.warnings, found.fault) == (
         "Last render, frame 4", ("object 'A': one",), "no camera",
     )  # fmt: skip
+    for warning in ("object 'B': two", "object 'A': one"):  # of another layer, whose later render counts
+        record = engine.RenderRecord(4, "Fog", "done", warnings=[warning])
+        for listener in engine.listeners:
+            listener(record)
+    assert (issue_panel.findings.warnings, issue_panel.findings.fault) == (("object 'A': one",), "")
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     assert issue_panel.findings.origin == ""

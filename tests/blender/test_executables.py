@@ -128,18 +128,20 @@ def test_session_with_windows(host, installed, scene_for, shots):
     check_output(host.show("ui_session.py", shots, scene_for(host, "cloud"), copy, resources=installed))
 
 
-ROUNDS, WARM_UP = 4, 2  # of 40 actions each
+ROUNDS, WARM_UP = 5, 2  # of 40 actions each
 
 
 def test_rounds_of_actions_leave_no_memory(host, installed, scene_for, shots):
-    """What a round does is done again and again; after the warm-up memory stays within 2 %."""
+    """What a round does is done again and again; after the warm-up memory stays within 2 %.
+
+    Blender's allocator gives back when it likes: renders alone gave 1053 to 1084 MiB without a trend, so the
+    lesser of the last two rounds counts. A leak of 1 % a round would show."""
     folder = fresh(WORK / host.name / "actions")
     arguments = (shots, scene_for(host, "cloud"), folder / "saved.blend", folder / "told.json", ROUNDS)
     check_output(host.show("ui_actions.py", *arguments, resources=installed, timeout=3000))
     told = json.loads((folder / "told.json").read_text())
     assert len(told["actions"]) / ROUNDS * (ROUNDS - WARM_UP) >= 50
-    steady = told["memory"][WARM_UP - 1 :]
-    assert max(steady) < 1.02 * steady[0], told["memory"]
+    assert min(told["memory"][-2:]) < 1.02 * told["memory"][WARM_UP - 1], told["memory"]
 
 
 def colours(path, box=None):
@@ -208,3 +210,13 @@ def test_viewport_with_windows(host, installed, scene_for, shots):
     earlier, later = np.array_split(facts["sizes"], 2)
     assert np.median(later) < 1.02 * np.median(earlier), [size >> 20 for size in facts["sizes"]]
     print("orbit (first picture, native seconds):", facts["orbit"])
+
+
+def test_new_user(host, shots):
+    """From the zip to the first volume: less than a minute of one core, at the size that Blender starts
+    with."""
+    folder = fresh(WORK / host.name / "new_user")
+    arguments = (shots, package(host.kind), folder / "times.json")
+    check_output(host.show("ui_first_render.py", *arguments, resources=fresh(folder / "user")))
+    times = json.loads((folder / "times.json").read_text())
+    assert times["of it render, processor"] < 60, times

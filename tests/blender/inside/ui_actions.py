@@ -3,7 +3,7 @@
 what each round left of memory.
 
 The extension is installed already. Arguments: folder for screenshots, .blend of a scene, .blend to save to,
-JSON to write, rounds.
+JSON to write, rounds; then, to find what takes memory, the only PARTS to play.
 """
 
 import json
@@ -170,14 +170,19 @@ def resident_megabytes():
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS")) / 1024
 
 
+PARTS = ("tabs", "presets", "undo", "engines", "issues", "renders")
+
+
 def scenario():
-    _, blend, copy, result, rounds = common.arguments()
+    _, blend, copy, result, rounds, *parts = common.arguments()
     prepare(blend)
     yield 1.0
     memory = []
     for number in range(int(rounds)):
-        for part in (tabs(), presets(), undo(), engines(), issues(), renders(), save_and_reload(copy)):
-            yield from part
+        for part in parts or PARTS:
+            yield from globals()[part]()
+        if not parts:
+            yield from save_and_reload(copy)
         if number == 0:
             stage.screenshot("actions")
         memory.append(resident_megabytes())

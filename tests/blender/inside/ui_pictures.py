@@ -95,12 +95,12 @@ def scenario():
 
     volume = next(o for o in bpy.data.objects if o.type == "VOLUME")
     stage.window().view_layer.objects.active = volume
-    area = yield from new_editor("UV Editing", "DATA")
-    take("volume", area, 620)
+    area = yield from new_editor("Rendering", "DATA")
+    take("volume", area, 960)
 
     spoil(scene)
     open_only("NEPHELE_PT_issues")
-    area = yield from new_editor("Texture Paint", "RENDER")
+    area = yield from new_editor("Compositing", "RENDER")
     with stage.override():
         bpy.ops.nephele.check_scene()
     area.tag_redraw()
