@@ -128,6 +128,10 @@ std::vector<std::uint32_t> whole_numbers(const std::map<std::string, std::vector
 
 }  // namespace
 
+bool asks_for_parts(std::span<const PassId> passes) {
+    return std::any_of(passes.begin(), passes.end(), is_of_parts);
+}
+
 Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds needs)
     : width_(width), height_(height) {
     if (width <= 0 || height <= 0) {

@@ -39,6 +39,9 @@ struct PixelSample {
     VspRecord vsp;
 };
 
+/// Whether any of the passes is made of SampleParts.
+bool asks_for_parts(std::span<const PassId> passes);
+
 /// What a film keeps besides its passes.
 struct FilmNeeds {
     bool error = false;    ///< squares of the light, for relative_error()

@@ -73,6 +73,16 @@ def test_the_kernel_is_the_smallest_that_does(make, settings, kernel):
     assert info.describe(scene.description(SIZE, **settings))["kernel"] == kernel
 
 
+def test_passes_that_tell_light_apart_take_a_kernel_of_their_own():
+    passes = ("Combined", "Diffuse Direct")
+    for make, kernel in (
+        (room, ["surfaces", "learning", "parts of light"]),
+        (ball, ["surfaces", "overlapping media", "volume emission", "learning", "parts of light"]),
+    ):
+        scene = make().description(SIZE, passes, **PLAIN)
+        assert info.describe(scene)["kernel"] == kernel
+
+
 def test_an_emissive_medium_takes_the_kernel_with_emission():
     glowing = d.VolumeClosure((2, 2, 2), emission=(0.1, 0.1, 0.1))
     scene = room().add(box((-1, -1, 0), (1, 1, 1)), None, (glowing,))
