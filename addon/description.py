@@ -93,8 +93,10 @@ class Mesh:
     float32 by number; material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box
     of generated coordinates.
 
-    motion, motion_normals: positions (S, N, 3) and, where there are corner normals, corner normals (S, T, 3,
-    3) at S >= 2 equally spaced times of the shutter; None where it keeps its shape."""
+    neighbours: positions (2, N, 3) at the frames before and after this one, for the pass Vector; None where
+    it keeps its shape. motion, motion_normals: positions (S, N, 3) and, where there are corner normals,
+    corner normals (S, T, 3, 3) at S >= 2 equally spaced times of the shutter; None where it keeps its
+    shape."""
 
     name: str
     positions: Array
@@ -107,6 +109,7 @@ class Mesh:
     generated_size: tuple = (2.0, 2.0, 2.0)
     motion: Array | None = None
     motion_normals: Array | None = None
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,8 @@ class Instance:
     pass_index: object's. asset: name of its topmost parent, "" where that is itself. dielectric_priority:
     where objects with one overlap, only that of the highest is there; 0 takes no part. properties: (N, 4)
     numbers by which shaders read attributes of the object. motion: (S, 4, 4) float64, world_from_object at
-    S >= 2 equally spaced times of the shutter; None where it stands still."""
+    S >= 2 equally spaced times of the shutter; None where it stands still. neighbours: (2, 4, 4) float64,
+    world_from_object at the frames before and after this one, for the pass Vector; None: the same."""
 
     name: str
     mesh: int
@@ -130,6 +134,7 @@ class Instance:
     properties: tuple = ()
     motion: Array | None = None
     asset: str = ""
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -204,8 +209,8 @@ class Camera:
     """kind: "perspective" or "orthographic". It looks along its local -z, y up. viewplane: (left, right,
     bottom, top) of the full frame at distance 1 (perspective) or in metres (orthographic). clip_start,
     clip_end: along the view axis. aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation:
-    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis. motion: see Instance, of
-    world_from_camera."""
+    rad; aperture_ratio: anamorphic. focus_distance: m along the view axis. motion, neighbours: see Instance,
+    of world_from_camera."""
 
     name: str
     kind: str
@@ -219,6 +224,7 @@ class Camera:
     aperture_ratio: float = 1.0
     focus_distance: float = 1.0
     motion: Array | None = None
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)

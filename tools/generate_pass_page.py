@@ -40,7 +40,7 @@ to rounding, of the picture before it is denoised (Noisy Image). Where a colour 
 all of a sample's parts alike. Volume and Surface also tell apart by first event, but count what volumes emit as Volume; what
 Cycles 5 calls Volume Scatter and Volume Transmit is Volume Direct + Volume Indirect, and what passed a volume.
 
-**Volumes and the geometry passes.** Depth, Position, Normal, UV, Mist and the indices see through volumes: they are those of the
+**Volumes and the geometry passes.** Depth, Position, Normal, Vector, UV, Mist and the indices see through volumes: they are those of the
 first surface whose alpha is at least the view layer's *Alpha Threshold*, smooth also where fog lies before it. In Cycles a volume dims
 Normal, UV and Mist, and hides Depth, Position and the indices at random. Colours and cryptomattes are dimmed by volumes in both: they
 are what is left of a surface's share of the pixel. Mist is measured as in Cycles: by the distance from the camera, of all surfaces
@@ -59,7 +59,7 @@ emitters and the background up to 1. The library is Blender's own, which every B
 a distribution's Blender lacks it (Debian's does), `denoise` is refused with a message that says so. The compositor's Denoise node
 does the same with the same passes.
 
-**What there is not.** Vector, Ambient Occlusion, Shadow, Shadow Catcher and subsurface passes, shader AOVs and light groups: asking for one
+**What there is not.** Ambient Occlusion, Shadow, Shadow Catcher and subsurface passes, shader AOVs and light groups: asking for one
 gives a warning, and it stays black. Ambient Occlusion and Shadow Catcher are no part of the light that a scene with volumes has.
 """
 
@@ -73,7 +73,7 @@ def load():
     return module
 
 
-FIRST_SAMPLE = {"Depth", "Position", "Object Index", "Material Index"}
+FIRST_SAMPLE = {"Depth", "Position", "Vector", "Object Index", "Material Index"}
 
 
 def asked_by(row):

@@ -53,7 +53,7 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True):
         warnings=tuple(context.warnings),
         shutter=shutter(context.scene.render) if motion else (0.0, 0.0),
     )
-    if engine is not None and motion and scene.shutter[0] != scene.shutter[1]:
+    if engine is not None and motion and objects.tracks.is_wanted(scene):
         scene = objects.tracks.export(engine, scene)
     cache.end(depsgraph, objects.arrays_by_name)
     return scene

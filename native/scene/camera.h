@@ -4,6 +4,7 @@
 // the frame.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "math/motion.h"
@@ -18,6 +19,7 @@ struct CameraDescription {
     Kind kind = Kind::perspective;
     double world_from_camera[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     std::vector<std::array<double, 16>> motion;  ///< of world_from_camera over the shutter; empty: none
+    std::optional<std::array<Transform, 2>> neighbours;  ///< at the frames before and after
     double left = -1, right = 1, bottom = -1,
            top = 1;                              ///< full frame at distance 1, or in metres (orthographic)
     float clip_start = 0, clip_end = kInfinity;  ///< m along the view axis
@@ -52,14 +54,20 @@ class Camera {
     Vec3f to_camera_vector(Vec3f world_vector) const;
     /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give
     /// nonsense.
-    Vec2f project(Vec3f world_point, Vec2f film_size) const;
+    Vec2f project(Vec3f world_point, Vec2f film_size) const { return project(world_point, film_size, world_from_camera_); }
+    /// The same at the frame before (0) or after (1).
+    Vec2f project_at_neighbour(Vec3f world_point, Vec2f film_size, std::size_t which) const {
+        return project(world_point, film_size, neighbours_ ? (*neighbours_)[which] : world_from_camera_);
+    }
 
   private:
+    Vec2f project(Vec3f world_point, Vec2f film_size, const Transform& world_from_camera) const;
     Vec2f sample_lens(Vec2f u) const;
 
     CameraDescription::Kind kind_;
     Transform world_from_camera_;  // rotation and translation only
     Motion motion_;                // likewise
+    std::optional<std::array<Transform, 2>> neighbours_;
     double left_, right_, bottom_, top_;
     float clip_start_, clip_end_, aperture_radius_, blades_rotation_, inverse_aperture_ratio_,
         focus_distance_;
