@@ -94,8 +94,10 @@ class Mesh:
     float32 by number; material_index (T,) int32 slot, or None for slot 0; generated_min, generated_size: box
     of generated coordinates.
 
-    motion, motion_normals: positions (S, N, 3) and, where there are corner normals, corner normals (S, T, 3,
-    3) at S >= 2 equally spaced times of the shutter; None where it keeps its shape."""
+    neighbours: positions (2, N, 3) at the frames before and after this one, for the pass Vector; None where
+    it keeps its shape. motion, motion_normals: positions (S, N, 3) and, where there are corner normals,
+    corner normals (S, T, 3, 3) at S >= 2 equally spaced times of the shutter; None where it keeps its
+    shape."""
 
     name: str
     positions: Array
@@ -108,6 +110,7 @@ class Mesh:
     generated_size: tuple = (2.0, 2.0, 2.0)
     motion: Array | None = None
     motion_normals: Array | None = None
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,8 @@ class Instance:
     numbers by which shaders read attributes of the object. receiver_set, blocker_set: 0 to 63, see Light.
     receivers, blockers: as of a Light, for what its faces emit. holdout: the camera sees a hole of alpha 0
     where it is. motion: (S, 4, 4) float64, world_from_object at S >= 2 equally spaced times of the shutter;
-    None where it stands still."""
+    None where it stands still. neighbours: (2, 4, 4) float64, world_from_object at the frames before and
+    after this one, for the pass Vector; None: the same."""
 
     name: str
     mesh: int
@@ -138,6 +142,7 @@ class Instance:
     holdout: bool = False
     motion: Array | None = None
     asset: str = ""
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -224,7 +229,7 @@ class Camera:
     right, bottom, top) of the full frame at distance 1 (perspective), in metres (orthographic) or in the unit
     square that a panorama fills. clip_start, clip_end: along the view axis, of panoramas along the ray.
     aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio: anamorphic.
-    focus_distance: m, along the same. motion: see Instance, of world_from_camera.
+    focus_distance: m, along the same. motion, neighbours: see Instance, of world_from_camera.
 
     lens: of a panorama, a name of native/scene/panorama.h, which says what lens_values mean."""
 
@@ -242,6 +247,7 @@ class Camera:
     lens: str = "equirectangular"
     lens_values: tuple = ()
     motion: Array | None = None
+    neighbours: Array | None = None
 
 
 @dataclass(frozen=True)

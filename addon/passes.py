@@ -154,6 +154,15 @@ PASSES = (
         "Normal", "XYZ", "VECTOR", "1", "Shading normal of the first surface, world space", "use_pass_normal"
     ),
     Pass(
+        "Vector",
+        "XYZW",
+        "VECTOR",
+        "px",
+        "Way of the first surface in the picture: from here back to the frame before (X, Y), and from the "
+        "next frame back to here (Z, W); 0 with motion blur",
+        "use_pass_vector",
+    ),
+    Pass(
         "UV",
         "UVA",
         "VECTOR",

@@ -103,7 +103,9 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
     request_.majorant_depth = any({PassId::majorant_optical_depth});
     request_.features =
         any({PassId::depth, PassId::mist, PassId::normal, PassId::albedo, PassId::volume_albedo,
-             PassId::position, PassId::uv, PassId::object_index, PassId::material_index});
+             PassId::position, PassId::vector, PassId::uv, PassId::object_index, PassId::material_index});
+    request_.vector = film_.has(PassId::vector);
+    request_.film_size = {static_cast<float>(frame_.width), static_cast<float>(frame_.height)};
     request_.parts = film_.has_parts();
     request_.opaque_alpha = frame_.opaque_alpha;
     if (film_.has(PassId::mist))

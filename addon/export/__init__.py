@@ -64,7 +64,7 @@ def export_scene(depsgraph, *, engine=None, cache=None, motion=True, space=None)
         shutter=shutter(context.scene.render) if motion else (0.0, 0.0),
         shutter_curve=shutter_curve(context.scene.render) if motion else (),
     )
-    if engine is not None and motion and scene.shutter[0] != scene.shutter[1]:
+    if engine is not None and motion and objects.tracks.is_wanted(scene):
         scene = objects.tracks.export(engine, scene)
     cache.end(depsgraph, objects.arrays_by_name)
     return scene

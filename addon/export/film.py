@@ -9,7 +9,7 @@ from .context import ExportError
 
 # Passes that Blender offers for every engine and that we do not have: they would stay black.
 OTHER_PASSES = (
-    "vector", "shadow", "ambient_occlusion", "subsurface_direct", "subsurface_indirect", "subsurface_color",
+    "shadow", "ambient_occlusion", "subsurface_direct", "subsurface_indirect", "subsurface_color",
 )  # fmt: skip
 
 
@@ -84,6 +84,8 @@ def export_film(context):
                 f"view layer '{layer.name}': pass {name.replace('_', ' ').title()} is not supported; "
                 "it is black"
             )
+    if layer.use_pass_vector and render.use_motion_blur:
+        context.warn(f"view layer '{layer.name}': with motion blur there is no pass Vector; it is black")
     if len(layer.aovs):
         context.warn(f"view layer '{layer.name}': shader AOVs are not supported; they are black")
     if len(getattr(layer, "lightgroups", ())):

@@ -59,16 +59,24 @@ class Tracks:
 
     def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None, part=""):
         """Takes note of an instance that the walk found. record, mesh: of a mesh and its number.
-        part: tells what moves with the same instance apart; none but "" changes its shape. world_from_data: where the description places something else than the object's own space."""
+        part: tells what moves with the same instance apart; none but "" changes its shape. world_from_data:
+        where the description places something else than the object's own space."""
         if not is_blurred(self._context, instance):
             return
-        item = instance.object
-        track = Track(kind, number, item.name, step_exponent(item), mesh=mesh)
-        if record is not None and part == "" and _deforms(instance, self._context.scene):
-            track.record = self._records[mesh] = record
-            record.corners  # noqa: B018 - read while the mesh is there, for shape_of()
+        track = Track(kind, number, instance.object.name, step_exponent(instance.object), mesh=mesh)
         if world_from_data is not None:
             track.object_from_data = np.linalg.pinv(matrix4(instance.matrix_world)) @ world_from_data
+        self._follow(track, instance, record, part)
+
+    def is_wanted(self, scene):
+        """Tells whether export() has anything to do for a description.Scene."""
+        return scene.shutter[0] != scene.shutter[1]
+
+    def _follow(self, track, instance, record, part=""):
+        """Takes a track up, the shape of its mesh with it where that may change. record, part: see add()."""
+        if record is not None and part == "" and _deforms(instance, self._context.scene):
+            track.record = self._records[track.mesh] = record
+            record.corners  # noqa: B018 - read while the mesh is there, for shape_of()
         self._parts.add(part)
         key = identity(instance), part
         self._tracks[key] = None if key in self._tracks else track
@@ -79,10 +87,10 @@ class Tracks:
         blender_scene = self._context.scene
         frame, subframe = blender_scene.frame_current, blender_scene.frame_subframe
         camera = _Camera(engine, self._context)
-        exponents = [track.exponent for track in self._tracks.values() if track is not None]
-        steps = 2 ** max([camera.exponent, *exponents]) + 1
+        times = self._times(scene, camera)
+        steps = len(times)
         try:
-            for step, time in enumerate(np.linspace(*scene.shutter, steps)):
+            for step, time in enumerate(times):
                 whole = math.floor(frame + subframe + time)
                 engine.frame_set(whole, float(frame + subframe + time - whole))
                 camera.read()
@@ -91,6 +99,11 @@ class Tracks:
             engine.frame_set(frame, subframe)
             self._context.cache.history.doubt(self._context.depsgraph)
         return self._applied(scene, camera, steps)
+
+    def _times(self, scene, camera):
+        """Returns when everything is read, in frames from this one."""
+        exponents = [track.exponent for track in self._tracks.values() if track is not None]
+        return np.linspace(*scene.shutter, 2 ** max([camera.exponent, *exponents]) + 1)
 
     def _read_step(self, step, steps):
         read_shapes = set()
@@ -166,18 +179,18 @@ class _Camera:
         settings = getattr(self._item, "cycles", None)
         self._blurred = getattr(settings, "use_motion_blur", True)
         self.exponent = step_exponent(self._item) if self._blurred else 1
-        self._matrices = []
+        self.matrices = []
 
     def read(self):
         camera = self._item.evaluated_get(self._context.depsgraph)
-        self._matrices.append(matrix4(camera.matrix_world))
+        self.matrices.append(matrix4(camera.matrix_world))
 
     def applied(self, camera, steps):
         """Returns the description.Camera in motion."""
-        if not self._blurred or not _differ(self._matrices):
+        if not self._blurred or not _differ(self.matrices):
             return camera
         stride = (steps - 1) // 2**self.exponent
-        return dataclasses.replace(camera, motion=np.stack(self._matrices[::stride]))
+        return dataclasses.replace(camera, motion=np.stack(self.matrices[::stride]))
 
 
 def _stride(track, steps):

@@ -12,6 +12,7 @@ from .lights import export_light
 from .linking import LightLinks
 from .mesh import MeshRecord
 from .moving import Tracks
+from .neighbours import Neighbours, wants_vectors
 from .nodes_input import ray_bits
 from .properties import read_properties
 from .round_shapes import RoundRecord, curves_source, particle_hair_source, points_source
@@ -49,7 +50,7 @@ class Objects:
         self.meshes, self.instances, self.lights, self.volumes = (), [], [], []
         self._names = {}  # (uid of an object, name of its mesh) -> key of its data
         self.arrays_by_name = {}
-        self.tracks = Tracks(context)
+        self.tracks = Neighbours(context) if wants_vectors(context) else Tracks(context)
         self._seen_uvs = {"": 0} if context.view_layer.use_pass_uv else {}
         self._links = LightLinks(context)
         self._override = context.view_layer.material_override

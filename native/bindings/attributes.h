@@ -92,14 +92,15 @@ inline void placement(nb::handle object, const char* attribute, const std::array
 
 /// The same at S times of the shutter, (S, 4, 4); none where the attribute is None.
 inline std::vector<std::array<double, 16>> motion_matrices(nb::handle object,
-                                                           const std::array<double, 3>& origin) {
+                                                           const std::array<double, 3>& origin,
+                                                           const char* attribute = "motion") {
     std::vector<std::array<double, 16>> out;
-    const nb::object motion = object.attr("motion");
+    const nb::object motion = object.attr(attribute);
     if (motion.is_none())
         return out;
     nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu> view;
     if (!nb::try_cast(motion, view, true))
-        bad_array("motion", "S x 4 x 4 float64");
+        bad_array(attribute, "S x 4 x 4 float64");
     out.resize(view.shape(0));
     for (std::size_t i = 0; i < out.size(); ++i)
         std::copy(view.data() + 16 * i, view.data() + 16 * (i + 1), out[i].begin());

@@ -19,6 +19,9 @@ Mesh mesh(nb::handle m) {
     out.corner_normals = floats(m, "corner_normals");
     out.motion_positions = floats(m, "motion");
     out.motion_normals = floats(m, "motion_normals");
+    out.neighbours = floats(m, "neighbours");
+    if (!out.neighbours.empty() && out.neighbours.size() != 2 * out.positions.size())
+        throw std::invalid_argument("neighbours must be (2, N, 3), N its number of vertices");
     if (!out.positions.empty())
         out.motion_steps = out.motion_positions.size() / out.positions.size();
     const auto arrays = [&](const char* attribute) {
@@ -50,6 +53,21 @@ std::array<float, 4> color(nb::handle object) {
     return four(object.attr("color"));
 }
 
+std::optional<std::array<Transform, 2>> neighbours(nb::handle object, const std::array<double, 3>& origin) {
+    const auto matrices = motion_matrices(object, origin, "neighbours");
+    if (matrices.empty())
+        return std::nullopt;
+    if (matrices.size() != 2)
+        throw std::invalid_argument("neighbours must be 2 x 4 x 4: of the frames before and after");
+    std::array<Transform, 2> out;
+    for (std::size_t n = 0; n < 2; ++n) {
+        double m[16];
+        std::copy(matrices[n].begin(), matrices[n].end(), m);
+        out[n] = transform_of(m);
+    }
+    return out;
+}
+
 Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_count,
                   const std::array<double, 3>& origin) {
     Instance out;
@@ -76,6 +94,7 @@ Instance instance(nb::handle i, std::size_t mesh_count, std::size_t material_cou
     out.random = value<float>(i, "random");
     out.color = color(i);
     out.pass_index = value<float>(i, "pass_index");
+    out.neighbours = neighbours(i, origin);
     const std::string asset = text(i, "asset");
     out.object_matte = matte_id(out.name);
     out.asset_matte = asset.empty() ? out.object_matte : matte_id(asset);
@@ -252,6 +271,7 @@ SceneSource scene_source_of(nb::handle scene) {
     out.pixel_width = static_cast<float>((out.camera.right - out.camera.left) / columns);
     if (out.camera.kind == CameraDescription::Kind::panoramic)
         out.pixel_width *= 2 * kPi;  // an angle: its picture is a square of 1, and shows all round or less
+    out.camera.neighbours = reading("neighbours", [&] { return neighbours(scene.attr("camera"), out.origin); });
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {

@@ -211,7 +211,8 @@ void bind_renderer(nb::module_& m) {
             nb::dict out;
             out["kernel_features"] = scene.features().list(true);
             out["left_out"] = scene.features().list(false);
-            out["kernel"] = choose_kernel(settings, scene.features(), learns(scene, settings)).list();
+            const bool parts = asks_for_parts(film_source_of(description).passes);
+            out["kernel"] = choose_kernel(settings, scene.features(), learns(scene, settings), parts).list();
             out["warnings"] = scene.warnings();
             out["guiding_field"] = told(decide_field(scene, settings));
             return out;

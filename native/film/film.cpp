@@ -22,7 +22,7 @@ constexpr std::size_t at(PassId pass) {
 /// Passes that describe the first sample alone: an average over a silhouette would be a depth where nothing
 /// is.
 constexpr bool first_sample_only(PassId pass) {
-    return pass == PassId::depth || pass == PassId::position || pass == PassId::object_index ||
+    return pass == PassId::depth || pass == PassId::position || pass == PassId::vector || pass == PassId::object_index ||
            pass == PassId::material_index;
 }
 
@@ -128,6 +128,10 @@ std::vector<std::uint32_t> whole_numbers(const std::map<std::string, std::vector
 
 }  // namespace
 
+bool asks_for_parts(std::span<const PassId> passes) {
+    return std::any_of(passes.begin(), passes.end(), is_of_parts);
+}
+
 Film::Film(int width, int height, std::span<const PassId> passes, FilmNeeds needs)
     : width_(width), height_(height) {
     if (width <= 0 || height <= 0) {
@@ -227,6 +231,7 @@ void Film::add_others(std::size_t pixel, const PixelSample& sample, float exposu
     if (counts_[pixel] == 0) {
         add_to(PassId::depth, pixel, &sample.depth, 1, 1);
         add_to(PassId::position, pixel, &sample.position.x, 3, 1);
+        add_to(PassId::vector, pixel, sample.vector.data(), 4, 1);
         add_to(PassId::object_index, pixel, &sample.object_index, 1, 1);
         add_to(PassId::material_index, pixel, &sample.material_index, 1, 1);
     }

@@ -27,6 +27,7 @@ struct PixelSample {
     Rgb albedo, volume_albedo;
     Vec3f normal, position;  ///< world space
     Vec3f uv;                ///< u, v, 1
+    std::array<float, 4> vector{};  ///< Scene::motion_vector
     float object_index = 0, material_index = 0;
     float alpha = 1;
     float depth = 1e10f;
@@ -38,6 +39,9 @@ struct PixelSample {
     float work = 0;            ///< of the path, see SegmentGuiding
     VspRecord vsp;
 };
+
+/// Whether any of the passes is made of SampleParts.
+bool asks_for_parts(std::span<const PassId> passes);
 
 /// What a film keeps besides its passes.
 struct FilmNeeds {

@@ -40,6 +40,8 @@ struct SampleRequest {
     bool features = false;    ///< depth, normal, albedo and the like of the first surface
     bool parts = false;       ///< SampleParts
     float opaque_alpha = 0.5f;  ///< a surface of less is not the first one
+    bool vector = false;
+    Vec2f film_size;  ///< of the whole frame, pixels
     const Mist* mist = nullptr;
     bool transparent_film = false;
     const VspGuide* guide = nullptr;      ///< of the pixel; none: camera rays are not guided

@@ -35,6 +35,8 @@ inline void record_surface(const Scene& scene, const SampleRequest& request, con
     out.normal = point.ns;
     out.albedo = bsdf.albedo(point.wo);
     out.uv = uv_of(point);
+    if (request.vector)
+        out.vector = scene.motion_vector(point, request.film_size);
     out.object_index = point.instance->pass_index;
     out.material_index = scene.material_index(point);
 }

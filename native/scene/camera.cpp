@@ -78,6 +78,7 @@ Camera::Camera(const CameraDescription& d)
     : kind_(d.kind),
       world_from_camera_(without_scale(d)),
       motion_(motion_without_scale(d)),
+      neighbours_(d.neighbours),
       panorama_(d.panorama),
       left_(d.left),
       right_(d.right),
@@ -176,9 +177,9 @@ Vec3f Camera::to_camera_vector(Vec3f world_vector) const {
     return {v.x, v.y, -v.z};
 }
 
-Vec2f Camera::project(Vec3f world_point, Vec2f film_size) const {
-    const Vec3f v = to_camera(world_point);
-    const float scale = perspective() ? 1 / v.z : 1;
+Vec2f Camera::project(Vec3f world_point, Vec2f film_size, const Transform& world_from_camera) const {
+    const Vec3f v = world_from_camera.transposed_vector(world_point - world_from_camera.translation);
+    const float scale = perspective() ? -1 / v.z : 1;
     return {static_cast<float>((double{v.x * scale} - left_) / (right_ - left_) * double{film_size.x}),
             static_cast<float>((double{v.y * scale} - bottom_) / (top_ - bottom_) * double{film_size.y})};
 }

@@ -4,6 +4,7 @@
 // the frame.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "math/motion.h"
@@ -19,6 +20,7 @@ struct CameraDescription {
     Kind kind = Kind::perspective;
     double world_from_camera[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     std::vector<std::array<double, 16>> motion;  ///< of world_from_camera over the shutter; empty: none
+    std::optional<std::array<Transform, 2>> neighbours;  ///< at the frames before and after
     double left = -1, right = 1, bottom = -1,
            top = 1;  ///< full frame at distance 1, in metres (orthographic), or of the panorama's unit square
     Panorama panorama;                           ///< panoramic only
@@ -57,9 +59,14 @@ class Camera {
     Vec3f to_camera_vector(Vec3f world_vector) const;
     /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give
     /// nonsense.
-    Vec2f project(Vec3f world_point, Vec2f film_size) const;
+    Vec2f project(Vec3f world_point, Vec2f film_size) const { return project(world_point, film_size, world_from_camera_); }
+    /// The same at the frame before (0) or after (1).
+    Vec2f project_at_neighbour(Vec3f world_point, Vec2f film_size, std::size_t which) const {
+        return project(world_point, film_size, neighbours_ ? (*neighbours_)[which] : world_from_camera_);
+    }
 
   private:
+    Vec2f project(Vec3f world_point, Vec2f film_size, const Transform& world_from_camera) const;
     Vec2f sample_lens(Vec2f u) const;
     Ray panoramic_ray(double x, double y, Vec2f lens_u) const;
     Ray placed(const Ray& ray, float time) const;
@@ -67,6 +74,7 @@ class Camera {
     CameraDescription::Kind kind_;
     Transform world_from_camera_;  // rotation and translation only
     Motion motion_;                // likewise
+    std::optional<std::array<Transform, 2>> neighbours_;
     Panorama panorama_;
     double left_, right_, bottom_, top_;
     float clip_start_, clip_end_, aperture_radius_, blades_rotation_, inverse_aperture_ratio_,

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct Mesh {
     /// keeps its shape.
     std::size_t motion_steps = 0;
     Buffer<float> motion_positions, motion_normals;
+    Buffer<float> neighbours;  ///< vertices at the frames before and after; empty: it keeps its shape
 
     std::size_t triangle_count() const { return triangles.size() / 3; }
     bool deforms() const { return compiled::motion && motion_steps > 0; }
@@ -48,6 +50,11 @@ struct Mesh {
         if (!compiled::motion || motion_normals.empty())
             return corner_normal(triangle, corner);
         return moving(motion_normals, corner_normals.size(), normal_number(triangle, corner), time);
+    }
+    /// At the frame before (0) or after (1).
+    Vec3f neighbour(std::uint32_t triangle, int corner, std::size_t which) const {
+        return neighbours.empty() ? vertex(triangle, corner)
+                                  : at(neighbours, which * positions.size() + 3 * vertex_number(triangle, corner));
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];
@@ -83,6 +90,7 @@ struct Instance {
     float random = 0;
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
+    std::optional<std::array<Transform, 2>> neighbours;  ///< world_from_object at the frames before and after
     std::uint32_t object_matte = 0, asset_matte = 0;  ///< ids, see film/matte.h
     std::vector<std::array<float, 4>> properties;  ///< RGBA, numbered as attributes of objects are
     int dielectric_priority = 0;                   ///< see scene/nesting.h; 0: takes no part
@@ -96,6 +104,10 @@ struct Instance {
     }
     std::size_t slot_of(const Mesh& m, std::uint32_t triangle) const {
         return std::min(static_cast<std::size_t>(std::max(m.slot(triangle), 0)), materials.size() - 1);
+    }
+    /// At the frame before (0) or after (1).
+    const Transform& neighbour(std::size_t which) const {
+        return neighbours ? (*neighbours)[which] : world_from_object;
     }
     Transform world_from_object_at(float time) const {
         return motion.moves() ? motion.at(time) : world_from_object;

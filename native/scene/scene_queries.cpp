@@ -241,6 +241,18 @@ float Scene::material_index(const ShadingPoint& point) const {
     return material < 0 ? 0 : source_.materials[static_cast<std::size_t>(material)].pass_index;
 }
 
+std::array<float, 4> Scene::motion_vector(const ShadingPoint& point, Vec2f film_size) const {
+    const Vec3f& w = point.barycentric;
+    const Vec2f here = camera_->project(point.p, film_size);
+    const auto beside = [&](std::size_t which) {
+        const auto corner = [&](int c) { return point.mesh->neighbour(point.triangle, c, which); };
+        const Vec3f p = corner(0) * w.x + corner(1) * w.y + corner(2) * w.z;
+        return camera_->project_at_neighbour(point.instance->neighbour(which).point(p), film_size, which);
+    };
+    const Vec2f before = beside(0), after = beside(1);
+    return {before.x - here.x, before.y - here.y, here.x - after.x, here.y - after.y};
+}
+
 Matte Scene::matte(const ShadingPoint& point, float weight) const {
     static const std::uint32_t kDefault = matte_id("default_surface");  // as Cycles calls it
     const auto material = point.instance->material_of(*point.mesh, point.triangle);

@@ -226,3 +226,13 @@ def test_hsv_agrees_with_the_standard_library():
         h, l, s = colorsys.rgb_to_hls(*rgb)
         assert np.allclose(hsl, (h, s, l))
         assert np.allclose(nodes_fold.FOLD["hsl_to_rgb"](hsl, parameters=(), mode=0), rgb)
+
+
+def test_the_page_of_passes_is_up_to_date():
+    root = Path(passes.__file__).resolve().parents[1]
+    made = subprocess.run(
+        [sys.executable, "-c", "import generate_pass_page as g; print(g.page(), end='')"],
+        cwd=root / "tools", capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    page = (root / "docs" / "passes.md").read_text(encoding="utf-8")
+    assert made.stdout == page, "run tools/generate_pass_page.py"

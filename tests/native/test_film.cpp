@@ -228,6 +228,53 @@ TEST(Film, TellsItsErrorOnceEveryPixelCan) {
     EXPECT_THROW(Film(1, 1, depth).relative_error(), std::logic_error);
 }
 
+TEST(Film, LightTimesItsColorIsTheLight) {
+    constexpr PassId passes[] = {PassId::glossy_direct, PassId::glossy_color, PassId::volume_indirect,
+                                 PassId::environment};
+    Film film(1, 1, passes);
+    ASSERT_TRUE(film.has_parts());
+    SampleParts parts;
+    parts.direct[SampleParts::glossy] = {1, 2, 0};
+    parts.color[SampleParts::glossy] = {0.5f, 0.25f, 0};
+    parts.indirect[SampleParts::volume] = {3, 0, 0};
+    parts.environment = {0, 0, 5};
+    film.add(0, 0, {}, 2, 1, &parts);
+    film.add(0, 0, {}, 2, 3, &parts);
+    EXPECT_EQ(film.read(PassId::glossy_direct), (std::vector<float>{4, 16, 0})) << "0 where there is no colour";
+    EXPECT_EQ(film.read(PassId::glossy_color), (std::vector<float>{0.5f, 0.25f, 0}));
+    EXPECT_EQ(film.read(PassId::volume_indirect), (std::vector<float>{6, 0, 0}));
+    EXPECT_EQ(film.read(PassId::environment), (std::vector<float>{0, 0, 10}));
+    EXPECT_THROW(film.read(PassId::glossy_indirect), std::invalid_argument);
+    EXPECT_FALSE(Film(1, 1, kSome).has_parts());
+}
+
+TEST(Film, MattesAreRestoredWithTheRest) {
+    constexpr PassId passes[] = {PassId::cryptoobject00, PassId::cryptomaterial01};
+    Film film(2, 1, passes);
+    SampleParts parts;
+    parts.mattes = {{1, 2, 3, 0.25f}, {4, 2, 5, 0.5f}};
+    film.add(1, 0, {}, 1, 1, &parts);
+    film.add(1, 0, {}, 1, 1, &parts);
+    const auto pixels = film.read(PassId::cryptoobject00);
+    EXPECT_EQ(pixels[5], 0.5f) << "coverage of the larger, of two samples";
+    EXPECT_EQ(pixels[7], 0.25f);
+    EXPECT_THROW(film.read(PassId::cryptoasset00), std::invalid_argument);
+    Film again(2, 1, passes);
+    again.restore(film.save());
+    EXPECT_EQ(again.read(PassId::cryptoobject00), pixels);
+    auto saved = film.save();
+    saved.at("mattes of objects, ids").pop_back();
+    EXPECT_THROW(again.restore(saved), std::invalid_argument);
+}
+
+TEST(Film, TheNoisyImageIsCombined) {
+    constexpr PassId passes[] = {PassId::noisy_image};
+    Film film(1, 1, passes);
+    film.add(0, 0, sample_of(1), 1);
+    EXPECT_EQ(film.read(PassId::noisy_image), (std::vector<float>{1, 3, 1, 0.5f}));
+    EXPECT_FALSE(film.has(PassId::combined));
+}
+
 TEST(Film, RefusesAnEmptyFrame) {
     EXPECT_THROW(Film(0, 4, kSome), std::invalid_argument);
     EXPECT_THROW(Film(4, -1, kSome), std::invalid_argument);

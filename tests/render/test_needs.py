@@ -73,6 +73,16 @@ def test_the_kernel_is_the_smallest_that_does(make, settings, kernel):
     assert info.describe(scene.description(SIZE, **settings))["kernel"] == kernel
 
 
+def test_passes_that_tell_light_apart_take_a_kernel_of_their_own():
+    passes = ("Combined", "Diffuse Direct")
+    for make, kernel in (
+        (room, ["surfaces", "learning", "parts of light"]),
+        (ball, ["surfaces", "overlapping media", "volume emission", "learning", "parts of light"]),
+    ):
+        scene = make().description(SIZE, passes, **PLAIN)
+        assert info.describe(scene)["kernel"] == kernel
+
+
 def test_an_emissive_medium_takes_the_kernel_with_emission():
     glowing = d.VolumeClosure((2, 2, 2), emission=(0.1, 0.1, 0.1))
     scene = room().add(box((-1, -1, 0), (1, 1, 1)), None, (glowing,))
@@ -96,13 +106,19 @@ def test_the_boundary_of_a_volume_is_no_hidden_surface():
 
 
 def test_a_film_holds_what_its_passes_need():
-    """Bytes a pixel: 4 of the count, 8 of each sum."""
+    """Bytes a pixel: 4 of the count, 8 of each sum; of a cryptomatte 24 of its list, and 16 of each id in it."""
     for asked in pass_table.PASSES:
+        if asked.levels:
+            bytes_a_pixel = told(room(), (asked.name,), **PLAIN)["memory"]["film"] / PIXELS
+            assert 4 + 24 <= bytes_a_pixel <= 4 + 24 + 16 * 4, asked.name
+            continue
         sums = {"Combined": 4, "Sample Count": 0}.get(asked.name, len(asked.channels))
         if asked.name == "Variance":
             sums = 3 + 4  # squares, and Combined
         elif asked.name.endswith(" Variance"):
             sums = 3 + 3  # squares, and the pass itself
+        elif asked.name.endswith("irect") and not asked.name.startswith("Volume"):
+            sums = 3 + 3  # light, and the colour that divides it
         assert told(room(), (asked.name,), **PLAIN)["memory"]["film"] == PIXELS * (4 + 8 * sums), asked.name
 
 
