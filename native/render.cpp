@@ -260,7 +260,8 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
-    const float time = compiled::motion && scene_->features().motion ? scene_->shutter_time(sampler.next()) : 0;
+    const float time =
+        compiled::motion && scene_->features().motion ? scene_->shutter_time(sampler.next()) : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
     if (ray.t_max < ray.t_min) {  // the lens shows nothing there

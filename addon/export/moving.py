@@ -59,7 +59,8 @@ class Tracks:
 
     def add(self, kind, number, instance, *, record=None, mesh=-1, world_from_data=None, part=""):
         """Takes note of an instance that the walk found. record, mesh: of a mesh and its number.
-        part: tells what moves with the same instance apart; none but "" changes its shape. world_from_data: where the description places something else than the object's own space."""
+        part: tells what moves with the same instance apart; none but "" changes its shape. world_from_data:
+        where the description places something else than the object's own space."""
         if not is_blurred(self._context, instance):
             return
         item = instance.object
@@ -135,8 +136,8 @@ class Tracks:
             if moves:
                 if track.kind == "light" and _changes_scale(track.matrices):
                     self._context.warn(
-                        f"light '{track.name}': its scale changes while the shutter is open; it keeps its size at "
-                        "the frame"
+                        f"light '{track.name}': its scale changes while the shutter is open; it keeps "
+                        "its size at the frame"
                     )
                 items = placed[track.kind]
                 matrices = np.stack(track.matrices[:: _stride(track, steps)]) @ track.object_from_data

@@ -119,7 +119,9 @@ NODES = {
         "BsdfDiffuse": Node("Diffuse BSDF"),
         "BsdfGlass": approximated("Glass BSDF", "Without thin films."),
         "BsdfHair": unsupported("Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
-        "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
+        "BsdfHairPrincipled": unsupported(
+            "Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."
+        ),
         "BsdfMetallic": approximated(
             "Metallic BSDF", "Isotropic, by reflectance at normal incidence, without thin films."
         ),

@@ -83,11 +83,11 @@ struct Instance {
     float random = 0;
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
-    std::vector<std::array<float, 4>> properties;  ///< RGBA, numbered as attributes of objects are
-    int dielectric_priority = 0;                   ///< see scene/nesting.h; 0: takes no part
+    std::vector<std::array<float, 4>> properties;    ///< RGBA, numbered as attributes of objects are
+    int dielectric_priority = 0;                     ///< see scene/nesting.h; 0: takes no part
     std::uint8_t receiver_set = 0, blocker_set = 0;  ///< see Linking
-    Linking linking;                               ///< of the light that its emissive faces are
-    bool holdout = false;                          ///< the camera sees a hole where it is
+    Linking linking;                                 ///< of the light that its emissive faces are
+    bool holdout = false;                            ///< the camera sees a hole where it is
 
     /// Material of a triangle; slots beyond the list use the last one, as in Blender.
     std::int32_t material_of(const Mesh& m, std::uint32_t triangle) const {

@@ -63,8 +63,9 @@ void Scene::add_lamp_shader(const LampDescription& lamp) {
     shader->instance.name = lamp.name;
     // Its scale is its size, which node trees do not see.
     const Pose axes(transform_of(lamp.world_from_light));
-    const double m[16] = {axes.x.x, axes.y.x, axes.z.x, axes.origin.x, axes.x.y, axes.y.y, axes.z.y, axes.origin.y,
-                          axes.x.z, axes.y.z, axes.z.z, axes.origin.z, 0,        0,        0,        1};
+    const double m[16] = {
+        axes.x.x, axes.y.x, axes.z.x, axes.origin.x, axes.x.y, axes.y.y, axes.z.y, axes.origin.y,
+        axes.x.z, axes.y.z, axes.z.z, axes.origin.z, 0,        0,        0,        1};
     shader->instance.world_from_object = transform_of(m);
     shader->instance.object_from_world = inverse_of(m);
     shader->instance.random = lamp.random;
@@ -138,8 +139,7 @@ void Scene::decide_features() {
         }
     }
     f.motion |= camera_->moves();  // and where a volume moves or has velocities
-    for (const Instance& instance : source_.instances)
-    {
+    for (const Instance& instance : source_.instances) {
         f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
         f.holdouts |= instance.holdout;
     }
