@@ -59,6 +59,12 @@ PixelFilter::Kind filter_kind(Settings::PixelFilter kind) {
 void check_plain(const Settings& settings, const Scene& scene) {
     if (settings.integrator != Settings::Integrator::plain)
         return;
+    if (scene.features().shadow_linking) {
+        throw std::invalid_argument(
+            "the plain integrator finds light by running into it, so that no surface can let it through; "
+            "clear "
+            "the lights' blocker collections, or use integrator = path");
+    }
     for (const Lamp& lamp : scene.lights().lamps()) {
         if (lamp.delta()) {
             throw std::invalid_argument("light '" + lamp.name +

@@ -189,6 +189,12 @@ def area_object(bpy):
     shown_coordinate(bpy, lamp(bpy, "AREA", size=1.5), "Object")
 
 
+def scaled_area_object(bpy):
+    item = lamp(bpy, "AREA", size=0.8)
+    item.scale = (2.0, 1.0, 1.5)
+    shown_coordinate(bpy, item, "Object")
+
+
 def area_normal(bpy):
     shown_coordinate(bpy, lamp(bpy, "AREA", size=1.5), "Normal")
 
@@ -351,7 +357,7 @@ LAMPS = {
     for case in (
         soft_point, spot, sun, ellipse, exposed, seen_lamp, matt_lamp, shiny_lamp, short_lamp, shadowless,
         area_picture, spot_picture, point_picture, sharp_spot_normal, point_normal, soft_point_normal,
-        area_object, area_normal, linear_falloff, ies_point, ies_spot, received, blocked, linked_glow,
+        area_object, scaled_area_object, area_normal, linear_falloff, ies_point, ies_spot, received, blocked, linked_glow,
     )
 }  # fmt: skip
 
