@@ -225,11 +225,12 @@ class World:
 
 @dataclass(frozen=True)
 class Camera:
-    """kind: "perspective", "orthographic" or "panoramic". It looks along its local -z, y up. viewplane: (left,
-    right, bottom, top) of the full frame at distance 1 (perspective), in metres (orthographic) or in the unit
-    square that a panorama fills. clip_start, clip_end: along the view axis, of panoramas along the ray.
-    aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio: anamorphic.
-    focus_distance: m, along the same. motion, neighbours: see Instance, of world_from_camera.
+    """kind: "perspective", "orthographic" or "panoramic". It looks along its local -z, y up. viewplane:
+    (left, right, bottom, top) of the full frame at distance 1 (perspective), in metres (orthographic) or in
+    the unit square that a panorama fills. clip_start, clip_end: along the view axis, of panoramas along the
+    ray. aperture_radius: m, 0 for a pinhole; blades: 0 or >= 3; blades_rotation: rad; aperture_ratio:
+    anamorphic. focus_distance: m, along the same. motion, neighbours: see Instance, of
+    world_from_camera.
 
     lens: of a panorama, a name of native/scene/panorama.h, which says what lens_values mean."""
 

@@ -64,6 +64,12 @@ void check_plain(const Settings& settings, const Scene& scene, const Film& film)
             "the plain integrator tells light apart as Volume and Surface alone; leave its other light passes, "
             "cryptomattes and denoising passes out, or use integrator = path");
     }
+    if (scene.features().shadow_linking) {
+        throw std::invalid_argument(
+            "the plain integrator finds light by running into it, so that no surface can let it through; "
+            "clear "
+            "the lights' blocker collections, or use integrator = path");
+    }
     for (const Lamp& lamp : scene.lights().lamps()) {
         if (lamp.delta()) {
             throw std::invalid_argument("light '" + lamp.name +
@@ -291,7 +297,8 @@ PixelSample Render::take_sample(int x, int y, std::uint32_t index, const SampleR
                         static_cast<std::uint64_t>(settings_.seed), pixel, index);
     const Vec2f offset = filter_.sample(sampler.next2()), lens = sampler.next2();
     const Vec2f position{static_cast<float>(fx) + 0.5f + offset.x, static_cast<float>(fy) + 0.5f + offset.y};
-    const float time = compiled::motion && scene_->features().motion ? scene_->shutter_time(sampler.next()) : 0;
+    const float time =
+        compiled::motion && scene_->features().motion ? scene_->shutter_time(sampler.next()) : 0;
     const Ray ray = scene_->camera().generate(
         position, lens, {static_cast<float>(frame_.width), static_cast<float>(frame_.height)}, time);
     if (ray.t_max < ray.t_min) {  // the lens shows nothing there

@@ -113,8 +113,8 @@ class Context:
         return self._image_number(use.key, lambda: kept_image(use, user, block, self))
 
     def picture_number(self, name, settings, pixels):
-        """Returns the number of a picture that is computed, (h, w, 3), as of a sky or an IES profile; its name
-        and settings determine it."""
+        """Returns the number of a picture that is computed, (h, w, 3), as of a sky or an IES profile; its
+        name and settings determine it."""
         return self._image_number((name, settings), lambda: kept_picture(name, settings, pixels, self.cache))
 
     def _image_number(self, key, read_image):

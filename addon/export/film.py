@@ -90,8 +90,8 @@ def export_film(context):
         context.warn(f"view layer '{layer.name}': shader AOVs are not supported; they are black")
     if len(getattr(layer, "lightgroups", ())):
         context.warn(
-            f"view layer '{layer.name}': light groups are not supported; their passes are missing. Render once for "
-            "each group with the other lights hidden"
+            f"view layer '{layer.name}': light groups are not supported; their passes are missing. Render "
+            "once for each group with the other lights hidden"
         )
     return description.Film(
         width=width,

@@ -13,8 +13,8 @@ class BadProfile(ValueError):
 
 
 def parse(text):
-    """Returns (vertical angles (V,), horizontal angles (H,), candela (H, V)), angles in degrees; those of type C:
-    vertical from straight down. Raises BadProfile."""
+    """Returns (vertical angles (V,), horizontal angles (H,), candela (H, V)), angles in degrees; those of
+    type C: vertical from straight down. Raises BadProfile."""
     if not text.lstrip("\ufeff \r\n").startswith("IES"):
         raise BadProfile("it does not begin with 'IES'")
     tilt = text.find("TILT=")
@@ -76,8 +76,8 @@ def _whole_circle(horizontal, candela):
 
 
 def _from_side(vertical, horizontal, candela, kind):
-    """Returns as parse(), on a grid of degrees, of a profile of type B (2) or A (3), whose poles lie on a horizontal
-    axis."""
+    """Returns as parse(), on a grid of degrees, of a profile of type B (2) or A (3), whose poles lie on a
+    horizontal axis."""
     if horizontal[0] == 0.0:
         horizontal = np.concatenate((-horizontal[:0:-1], horizontal))
         candela = np.concatenate((candela[:0:-1], candela))
@@ -108,8 +108,8 @@ def _at(rows, columns, values, row, column):
 
 
 def picture(text):
-    """Returns (HEIGHT, WIDTH) candela: rows from straight down to straight up, columns round the axis; between the
-    angles of the profile smooth (Catmull-Rom), as in Cycles. Raises BadProfile."""
+    """Returns (HEIGHT, WIDTH) candela: rows from straight down to straight up, columns round the axis;
+    between the angles of the profile smooth (Catmull-Rom), as in Cycles. Raises BadProfile."""
     vertical, horizontal, candela = parse(text)
     v, h = np.linspace(0, 180, HEIGHT), np.linspace(0, 360, WIDTH)
     opposite = (np.arange(len(horizontal)) + len(horizontal) // 2) % len(horizontal)
@@ -126,8 +126,8 @@ def picture(text):
 
 
 def _smooth(angles, values, at):
-    """Returns (len(at), c): Catmull-Rom curves, uniform between angles, through `values`, which have one more row at
-    either end than there are angles."""
+    """Returns (len(at), c): Catmull-Rom curves, uniform between angles, through `values`, which have one
+    more row at either end than there are angles."""
     if len(angles) == 1:
         return np.repeat(values[1:2], len(at), axis=0)
     i = np.clip(np.searchsorted(angles, at, side="right") - 1, 0, len(angles) - 2)

@@ -18,8 +18,8 @@ def export_light(context, instance, visibility, linking):
     cycles = getattr(light, "cycles", None)  # settings that Cycles adds
     if light.type == "AREA" and getattr(cycles, "is_portal", False):
         context.warn(
-            f"light '{item.name}': it is a portal, which gives no light; it is left out, and the world is sampled "
-            "without it"
+            f"light '{item.name}': it is a portal, which gives no light; it is left out, and the world is "
+            "sampled without it"
         )
         return None
     factor, program = compile_light(light, context)

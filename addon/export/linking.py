@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light and shadow linking: which objects a light shines on, and which cast its shadows.
 
-Blender has a collection of receivers and one of blockers for each light. The description numbers sets instead:
-objects that all collections treat alike share one, and a light names sets by the bits of a mask. Set 0 is that
-of objects that no collection names.
+Blender has a collection of receivers and one of blockers for each light. The description numbers sets
+instead: objects that all collections treat alike share one, and a light names sets by the bits of a mask.
+Set 0 is that of objects that no collection names.
 """
 
 from ..description import ALL_SETS
@@ -53,8 +53,8 @@ class Sets:
         return self._number(self._signature(item.original.as_pointer())) if self._states else 0
 
     def mask(self, place):
-        """Returns the sets, as bits, that the collection at `place` takes in: those that it includes, or, where
-        it includes none, all but those that it excludes."""
+        """Returns the sets, as bits, that the collection at `place` takes in: those that it includes, or,
+        where it includes none, all but those that it excludes."""
         wanted = (True,) if True in self._states[place].values() else (True, None)
         return sum(1 << n for signature, n in self._signatures.items() if signature[place] in wanted)
 
@@ -73,8 +73,8 @@ class LightLinks:
             self._sets[kind] = Sets(list(found.values()))
             if self._sets[kind].too_many:
                 context.warn(
-                    f"light linking: its {kind} collections tell more than {MOST_SETS} kinds of objects apart; "
-                    "the rest counts as named by none. Share collections between lights"
+                    f"light linking: its {kind} collections tell more than {MOST_SETS} kinds of objects "
+                    "apart; the rest counts as named by none. Share collections between lights"
                 )
 
     def of_object(self, instance):

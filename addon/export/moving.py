@@ -148,8 +148,8 @@ class Tracks:
             if moves:
                 if track.kind == "light" and _changes_scale(track.matrices):
                     self._context.warn(
-                        f"light '{track.name}': its scale changes while the shutter is open; it keeps its size at "
-                        "the frame"
+                        f"light '{track.name}': its scale changes while the shutter is open; it keeps "
+                        "its size at the frame"
                     )
                 items = placed[track.kind]
                 matrices = np.stack(track.matrices[:: _stride(track, steps)]) @ track.object_from_data

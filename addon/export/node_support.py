@@ -119,7 +119,9 @@ NODES = {
         "BsdfDiffuse": Node("Diffuse BSDF"),
         "BsdfGlass": Node("Glass BSDF"),
         "BsdfHair": unsupported("Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
-        "BsdfHairPrincipled": unsupported("Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."),
+        "BsdfHairPrincipled": unsupported(
+            "Principled Hair BSDF", "Use a BSDF of surfaces: hair is rendered as tubes."
+        ),
         "BsdfMetallic": Node("Metallic BSDF"),
         "BsdfPrincipled": Node(
             "Principled BSDF", note="Christensen-Burley's subsurface scattering is a random walk."

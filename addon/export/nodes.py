@@ -98,8 +98,8 @@ def compile_material(material, context, grids=None):
 
 
 def compile_world(world, context):
-    """Returns the description.World of Blender's world (None: black); its background only where the view layer
-    shows it."""
+    """Returns the description.World of Blender's world (None: black); its background only where the view
+    layer shows it."""
     if world is None:
         return description.World()
     compiled = dataclasses.replace(_compiled_world(world, context), visibility=_world_visibility(world))

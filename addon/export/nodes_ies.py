@@ -11,7 +11,8 @@ from .ies import HEIGHT, WIDTH, BadProfile, picture
 from .nodes_program import ZERO, constant
 
 EXTEND = 1 << 2  # the image's mode: linear, beyond the edge as there
-# Light of 177.83 lm/W, as Cycles takes it; the strength of a lamp is that of one which shines evenly all round.
+# Light of 177.83 lm/W, as Cycles takes it; the strength of a lamp is that of one which shines evenly all
+# round.
 WATTS_PER_CANDELA = 4 * math.pi / 177.83
 
 
@@ -42,11 +43,14 @@ def ies(c, node, output, path):
     down = c.emit("arccosine", c.emit("subtract", ZERO, z))
     place = c.emit("combine", _pixel(c, around, 2 * math.pi, WIDTH), _pixel(c, down, math.pi, HEIGHT), ZERO)
     found = c.emit("image", place, parameters=(number,), mode=EXTEND)
-    return c.emit("multiply", found, c.emit("multiply", c.input(node, "Strength", path), constant(WATTS_PER_CANDELA)))
+    return c.emit(
+        "multiply", found, c.emit("multiply", c.input(node, "Strength", path), constant(WATTS_PER_CANDELA))
+    )
 
 
 def _pixel(c, angle, most, count):
-    """Returns the texture coordinate of an angle from 0 to `most`: its ends are the middles of the outer pixels."""
+    """Returns the texture coordinate of an angle from 0 to `most`: its ends are the middles of the outer
+    pixels."""
     return c.emit("multiply_add", angle, constant((count - 1) / count / most), constant(0.5 / count))
 
 

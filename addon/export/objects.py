@@ -99,9 +99,7 @@ class Objects:
         elif item.type == "MESH" and (domain := fluid_domain(item)) is not None:
             material = self._material(instance, source)
             self._add_volume(instance, export_fluid(self._context, instance, domain, material, visibility))
-        elif item.type == "MESH" or (item.type in CONVERTIBLE and not self._is_converted(instance)):
-            self._add_mesh(instance, source, visibility)
-        elif item.type in ROUND:
+        elif self._is_mesh(instance):
             self._add_mesh(instance, source, visibility)
         elif item.type in UNSUPPORTED:
             self._context.warn(f"object '{item.name}': {UNSUPPORTED[item.type]}")
@@ -109,6 +107,11 @@ class Objects:
             self._context.warn(
                 f"object '{item.name}': objects of type {item.type.title()} are not supported; left out"
             )
+
+    def _is_mesh(self, instance):
+        """Tells whether the instance is shown as triangles."""
+        kind = instance.object.type
+        return kind == "MESH" or kind in ROUND or (kind in CONVERTIBLE and not self._is_converted(instance))
 
     def _is_in_layer(self, item):
         """Tells whether the view layer's include settings let it in."""
@@ -160,7 +163,11 @@ class Objects:
         item, final = instance.object, self._context.depsgraph.mode == "RENDER"
         visibility = self._visibility(instance)
         for modifier in item.modifiers:
-            if modifier.type != "PARTICLE_SYSTEM" or visibility == 0 or not self._context.view_layer.use_strand:
+            if (
+                modifier.type != "PARTICLE_SYSTEM"
+                or visibility == 0
+                or not self._context.view_layer.use_strand
+            ):
                 continue
             system = modifier.particle_system
             settings = system.settings
@@ -169,7 +176,9 @@ class Objects:
                 continue
             key = ("hair", item.original.as_pointer(), system.name)
             if key not in self._records:
-                source = particle_hair_source(item, system, modifier, self._context.depsgraph, self._context.scene)
+                source = particle_hair_source(
+                    item, system, modifier, self._context.depsgraph, self._context.scene
+                )
                 self._records[key] = self._round_record(key, system.name, source)
             if self._records[key] is None:
                 continue
@@ -227,7 +236,9 @@ class Objects:
         cache, name = self._context.cache, item.data.name
         if item.type in ROUND:
             scene, source_of = self._context.scene, ROUND[item.type]
-            return self._round_record(key, name, source_of(item.data, scene), lambda data: source_of(data, scene))
+            return self._round_record(
+                key, name, source_of(item.data, scene), lambda data: source_of(data, scene)
+            )
         same = cache.history.same_data(item, own=own)
         if item.type == "MESH" and not item.data.is_editmode:
             mesh = item.data
@@ -283,7 +294,9 @@ class Objects:
         layer."""
         owner = instance.object if instance.parent is None else instance.parent
         layer = self._context.depsgraph.view_layer
-        return bool(instance.object.is_holdout or owner.is_holdout or owner.original.holdout_get(view_layer=layer))
+        return bool(
+            instance.object.is_holdout or owner.is_holdout or owner.original.holdout_get(view_layer=layer)
+        )
 
     def _check(self, instance):
         """Warns, once per object, about features of it that we do not have."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panoramic lenses: what description.Camera says of them. Blender 5.0 keeps their values with the camera, older
-ones with what Cycles adds to it."""
+"""Panoramic lenses: what description.Camera says of them. Blender 5.0 keeps their values with the camera,
+older ones with what Cycles adds to it."""
 
 from .context import ExportError
 
@@ -42,11 +42,14 @@ def panorama(camera, width, height, render):
     kind = getattr(values, "panorama_type", "EQUIRECTANGULAR")
     if values is None or kind not in LENSES:
         raise ExportError(
-            f"unsupported camera: '{camera.name}' is a panorama of type {kind.replace('_', ' ').title()}; use "
+            f"unsupported camera: '{camera.name}' is a panorama of type {kind.title()}; use "
             "Equirectangular or a fisheye"
         )
     name, read = LENSES[kind]
-    return {"lens": name, "lens_values": tuple(float(v) for v in read(values, _sensor(data, width, height, render)))}
+    return {
+        "lens": name,
+        "lens_values": tuple(float(v) for v in read(values, _sensor(data, width, height, render))),
+    }
 
 
 def _sensor(data, width, height, render):

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair curves, particle hair and point clouds: Blender's data to the description.Mesh of their tubes and balls.
+"""Hair curves, particle hair and point clouds: Blender's data to the description.Mesh of their tubes and
+balls.
 
-A record of them has the interface of MeshRecord, so that materials, attributes and motion are as of meshes. What
-Curves Info and Point Info tell are attributes that are computed here."""
+A record of them has the interface of MeshRecord, so that materials, attributes and motion are as of meshes.
+What Curves Info and Point Info tell are attributes that are computed here."""
 
 import numpy as np
 
@@ -16,9 +17,9 @@ STRAIGHT = "THICK_LINEAR"
 
 
 class Source:
-    """What is drawn as round shapes. shape: strands.Tessellation. points: (n, 3). radius: (n,) m. ends: offsets
-    of the strands' first points and the end, None for points. uvs: name -> (parts, 2). attributes: name -> ((k,
-    4), whether they are of points)."""
+    """What is drawn as round shapes. shape: strands.Tessellation. points: (n, 3). radius: (n,) m. ends:
+    offsets of the strands' first points and the end, None for points. uvs: name -> (parts, 2). attributes:
+    name -> ((k, 4), whether they are of points)."""
 
     def __init__(self, shape, points, radius, ends=None, uvs=None, attributes=None):
         self.shape, self.points, self.radius, self.ends = shape, points, radius, ends
@@ -36,7 +37,9 @@ def steps_of(scene):
 def curves_source(data, scene):
     """Returns the Source of Blender's hair curves, evaluated."""
     if len(data.curves) == 0:
-        return Source(tubes(np.zeros((0, 3)), np.zeros(0), np.zeros(1, int), 1), np.zeros((0, 3)), np.zeros(0))
+        return Source(
+            tubes(np.zeros((0, 3)), np.zeros(0), np.zeros(1, int), 1), np.zeros((0, 3)), np.zeros(0)
+        )
     ends = read(data.curve_offset_data, "value", 1, np.int32)
     positions = read(data.attributes["position"].data, "vector", 3)
     radius = _radius(data, len(positions), DEFAULT_HAIR_RADIUS)
@@ -77,7 +80,9 @@ def particle_hair_source(item, system, modifier, depsgraph, scene):
     uvs = {}
     layer = item.data.uv_layers.active_index if len(item.data.uv_layers) else -1
     if layer >= 0:
-        uvs[""] = np.array([_uv(system, modifier, number, parents, layer) for number in numbers]).reshape(-1, 2)
+        uvs[""] = np.array([_uv(system, modifier, number, parents, layer) for number in numbers]).reshape(
+            -1, 2
+        )
         uvs[item.data.uv_layers[layer].name] = uvs[""]
     points, radius = keys.reshape(-1, 3), radius.ravel()
     return Source(tubes(points, radius, ends, steps_of(scene)), points, radius, ends, uvs)
@@ -227,4 +232,3 @@ class RoundRecord(MeshRecord):
             return (0.0,) * 3, (1.0,) * 3
         low, high = positions.min(axis=0), positions.max(axis=0)
         return tuple(map(float, low)), tuple(map(float, np.maximum(high - low, 1e-6)))
-

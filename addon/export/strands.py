@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strands of hair and points as triangles: tubes around Catmull-Rom curves through the keys, and balls.
 
-Their normals are those of the round shapes, and their radii are such that they cover, from all sides on average,
-what the round shapes do: by Cauchy's formula a convex body covers a quarter of its surface, and a prism its
-perimeter over pi times its length. Knows nothing of Blender."""
+Their normals are those of the round shapes, and their radii are such that they cover, from all sides on
+average, what the round shapes do: by Cauchy's formula a convex body covers a quarter of its surface, and a
+prism its perimeter over pi times its length. Knows nothing of Blender."""
 
 from dataclasses import dataclass
 
@@ -15,8 +15,9 @@ MANY_BALLS = 20000  # more of them are made of fewer faces
 
 @dataclass(frozen=True)
 class Tessellation:
-    """positions: (N, 3). triangles: (T, 3). normals: (N, 3). key, fraction: (N,), the point of the source that
-    each vertex lies at, or so far on the way from it to the next. part: (N,), number of the strand or ball."""
+    """positions: (N, 3). triangles: (T, 3). normals: (N, 3). key, fraction: (N,), the point of the source
+    that each vertex lies at, or so far on the way from it to the next. part: (N,), number of the strand or
+    ball."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -84,9 +85,7 @@ def _catmull_rom(keys, steps):
     first = np.minimum(place.astype(int), count - 2)
     t = (place - first)[None, :, None]
     p0, p1, p2, p3 = (padded[:, first + n] for n in range(4))
-    curve = p1 + 0.5 * t * (
-        p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0))
-    )
+    curve = p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
     return curve, place
 
 
@@ -138,7 +137,13 @@ def _round(subdivisions):
     corners = _unit(np.array([np.roll(p, shift) for shift in range(3) for p in points], float))
     apart = np.linalg.norm(corners[:, None] - corners, axis=2)
     near = (apart > 0) & (apart < 1.1)
-    faces = [(i, j, k) for i in range(12) for j in range(i) for k in range(j) if near[i, j] and near[j, k] and near[i, k]]
+    faces = [
+        (i, j, k)
+        for i in range(12)
+        for j in range(i)
+        for k in range(j)
+        if near[i, j] and near[j, k] and near[i, k]
+    ]
     triangles = corners[np.array(faces)]
     for _ in range(subdivisions):
         a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]

@@ -44,8 +44,9 @@ inline std::uint32_t light_visibility(const Scene& scene, std::uint32_t number) 
 
 /// Draws a light and a direction towards it. ray_kind: kVolumeRay from a volume, kDiffuseRay from a surface.
 /// history: of the ray that came here.
-inline std::optional<DirectSample> sample_direct(const Scene& scene, const Receiver& at, std::uint32_t ray_kind,
-                                                 const RayHistory& history, PathSampler& sampler) {
+inline std::optional<DirectSample> sample_direct(const Scene& scene, const Receiver& at,
+                                                 std::uint32_t ray_kind, const RayHistory& history,
+                                                 PathSampler& sampler) {
     const Vec3f p = at.p;
     const LightSet& lights = scene.lights();
     if (lights.empty())

@@ -135,7 +135,8 @@ class Path : private PathLight<k> {
             walk_.first = First::volume;
         const Vec3f p = walk_.ray.at(stream.t);
         const PhaseMixture phase(ws_.tracking.shares, walk_.beta);
-        light_volume(p, receiver_set_at(stream.t), phase, guide_in_volume(region_at(p, FieldPart::volume), p));
+        light_volume(p, receiver_set_at(stream.t), phase,
+                     guide_in_volume(region_at(p, FieldPart::volume), p));
         walk_.first = first;
         walk_.beta = beta;
         segment.gathered = light() - before;

@@ -145,7 +145,8 @@ class PathLight {
 
     /// set: of receivers that the medium's object is in.
     void light_volume(Vec3f p, std::uint8_t set, const PhaseMixture& phase, const Guide& guide) {
-        const auto direct = sample_direct(scene_, {p, walk_.ray.time, set}, kVolumeRay, walk_.history, sampler_);
+        const auto direct =
+            sample_direct(scene_, {p, walk_.ray.time, set}, kVolumeRay, walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;
@@ -154,9 +155,8 @@ class PathLight {
     }
 
     void light_surface(const ShadingPoint& point, const Bsdf& bsdf, const Guide& guide) {
-        const auto direct = 
-            sample_direct(scene_, {point.p, walk_.ray.time, point.instance->receiver_set}, kDiffuseRay,
-                          walk_.history, sampler_);
+        const auto direct = sample_direct(scene_, {point.p, walk_.ray.time, point.instance->receiver_set},
+                                          kDiffuseRay, walk_.history, sampler_);
         if (!direct)
             return;
         float pdf = 0;

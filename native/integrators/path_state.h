@@ -16,8 +16,8 @@ struct Walk {
     Rgb beta{1};
     int bounces = 0, surface_bounces = 0, volume_bounces = 0;
     enum class First { none, surface, volume } first = First::none;  ///< event of the path
-    RayHistory history;  ///< its length: what is added to that of the way and the ray
-    LampsOnTheWay way;   ///< from the last vertex
+    RayHistory history;         ///< its length: what is added to that of the way and the ray
+    LampsOnTheWay way;          ///< from the last vertex
     std::uint8_t receiver = 0;  ///< set of receivers that the last vertex's object is in
     float previous_pdf = 0;
     float guided_weight = 1;        ///< what drawing directions by the field has made of beta so far

@@ -117,7 +117,8 @@ PixelSample sample_plain(const Scene& scene, const Settings& settings, const Sam
     bool volume_first = false;
     std::uint8_t receiver = 0;
     const auto lights_it = [&](std::uint32_t light) {
-        return kind == kCameraRay || !scene.lights().linked() || scene.lights().linking(light).lights(receiver);
+        return kind == kCameraRay || !scene.lights().linked() ||
+               scene.lights().linking(light).lights(receiver);
     };
     const auto add = [&](float light) { (volume_first ? out.volume : out.surface)[channel] += beta * light; };
     for (;;) {

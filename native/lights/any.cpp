@@ -51,8 +51,13 @@ bool squeezed_flat(const LampDescription& lamp) {
 
 Lamp prepare_lamp(const LampDescription& description) {
     check(description);
-    Lamp lamp{description.name,        PointLight{},        description.visibility, description.cast_shadow,
-              description.max_bounces, description.linking, {}};
+    Lamp lamp{description.name,
+              PointLight{},
+              description.visibility,
+              description.cast_shadow,
+              description.max_bounces,
+              description.linking,
+              {}};
     if (!description.motion.empty()) {
         try {
             lamp.motion = LampMotion(transform_of(description.world_from_light), description.motion);

@@ -37,7 +37,8 @@ struct Lamp {
         if (!motion.moves())
             return std::visit([&](const auto& l) { return l.pdf(at.p, wi); }, light);
         const LampMotion::Moment now = motion.at(at.time);
-        return std::visit([&](const auto& l) { return l.pdf(now.point_to_rest(at.p), now.to_rest(wi)); }, light);
+        return std::visit([&](const auto& l) { return l.pdf(now.point_to_rest(at.p), now.to_rest(wi)); },
+                          light);
     }
     std::optional<LightHit> intersect(const Ray& ray) const {
         if (!motion.moves())

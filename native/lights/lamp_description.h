@@ -43,7 +43,7 @@ struct LampDescription {
     int max_bounces = 1024;
     float random = 0;  ///< of its object, in [0, 1]
     Linking linking;
-    std::optional<Program> program;  ///< its emission scales the radiance; none: 1
+    std::optional<Program> program;              ///< its emission scales the radiance; none: 1
     std::vector<std::array<double, 16>> motion;  ///< of world_from_light over the shutter; empty: it stands
 
     Vec3f position() const { return transform_of(world_from_light).translation; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a lamp moves while the shutter is open: it turns and wanders as a whole, so that what asks for its light
-// at a time may be moved to where the lamp stands as at the frame. Its size is that of the frame.
+// How a lamp moves while the shutter is open: it turns and wanders as a whole, so that what asks for its
+// light at a time may be moved to where the lamp stands as at the frame. Its size is that of the frame.
 #pragma once
 
 #include "math/motion.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a ray meets a lamp, as the lamp's node tree sees it. Texture coordinates: of an area lamp its rectangle,
-// of a spot lamp the square around its cone, of a point lamp longitude and latitude.
+// Where a ray meets a lamp, as the lamp's node tree sees it. Texture coordinates: of an area lamp its
+// rectangle, of a spot lamp the square around its cone, of a point lamp longitude and latitude.
 #pragma once
 
 #include "lights/any.h"

@@ -99,8 +99,8 @@ std::optional<std::uint32_t> LightSet::select(const Receiver& at, double u, floa
 
     double rest = u * sum;
     if (rest < tree_weight) {
-        const auto choice = tree_.select(
-            p, rest / tree_weight, [&](std::uint32_t l, Vec3f) { return importance(l, at); });
+        const auto choice =
+            tree_.select(p, rest / tree_weight, [&](std::uint32_t l, Vec3f) { return importance(l, at); });
         if (!choice)
             return std::nullopt;
         probability = static_cast<float>(choice->probability * (tree_weight / sum));

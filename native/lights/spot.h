@@ -11,10 +11,10 @@ namespace nephele {
 struct SpotLight {
     PointLight lamp;
     Vec3f axis_x, axis_y,
-        axis_z;            ///< unit axes over their scales: v -> (v.x, v.y, v.z) scales into the lamp's space
+        axis_z;  ///< unit axes over their scales: v -> (v.x, v.y, v.z) scales into the lamp's space
     float half_cotangent = 0;  ///< of half the cone's angle, over 2
-    float edge = 0;        ///< 1 - cosine of the cone's half angle: narrow cones keep their digits
-    float edge_width = 0;  ///< in cosine, over which the edge fades; 0: hard
+    float edge = 0;            ///< 1 - cosine of the cone's half angle: narrow cones keep their digits
+    float edge_width = 0;      ///< in cosine, over which the edge fades; 0: hard
 
     static SpotLight prepare(const LampDescription& lamp) {
         SpotLight s;
@@ -22,7 +22,8 @@ struct SpotLight {
         s.axis_x = lamp.axis(0) / lamp.scale(0);
         s.axis_y = lamp.axis(1) / lamp.scale(1);
         s.axis_z = lamp.axis(2) / lamp.scale(2);
-        s.half_cotangent = static_cast<float>(0.5 / std::tan(0.5 * std::clamp(double{lamp.spot_size}, 1e-6, 3.14159)));
+        s.half_cotangent =
+            static_cast<float>(0.5 / std::tan(0.5 * std::clamp(double{lamp.spot_size}, 1e-6, 3.14159)));
         s.edge = 2 * sqr(std::sin(lamp.spot_size / 4));
         s.edge_width = s.edge * lamp.spot_blend;
         return s;

@@ -46,7 +46,7 @@ struct Region {
     std::string name;
     Kind kind = Kind::world;
     std::uint32_t media_begin = 0, media_end = 0;
-    std::uint32_t visibility = ~0u;   ///< kinds of rays it exists for
+    std::uint32_t visibility = ~0u;                  ///< kinds of rays it exists for
     std::uint8_t receiver_set = 0, blocker_set = 0;  ///< of its object, see Linking
     const Instance* mover = nullptr;  ///< what carries the region and all that varies in it; null: it stands
     Transform index_from_world;       ///< box only, as at the frame

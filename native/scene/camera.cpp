@@ -155,7 +155,8 @@ Ray Camera::panoramic_ray(double x, double y, Vec2f lens_u) const {
     Vec3f o(0), d = *seen;
     if (aperture_radius_ > 0) {
         const Vec2f lens = sample_lens(lens_u);
-        const Vec3f right = safe_normalize(std::fabs(d.y) < 0.999f ? cross(d, Vec3f(0, 1, 0)) : Vec3f(1, 0, 0));
+        const Vec3f right =
+            safe_normalize(std::fabs(d.y) < 0.999f ? cross(d, Vec3f(0, 1, 0)) : Vec3f(1, 0, 0));
         o = right * lens.x + cross(right, d) * lens.y;
         d = normalize(d * focus_distance_ - o);
     }

@@ -78,7 +78,8 @@ struct SceneSource {
     float pixel_width = 0.001f;                 ///< on the viewplane
     std::array<double, 3> origin{};             ///< of the world here, in the description's world
     float shutter_open = 0, shutter_close = 0;  ///< frames from this one
-    std::vector<float> shutter_curve;  ///< times in [0, 1] that divide the light into equal parts; empty: even
+    std::vector<float>
+        shutter_curve;  ///< times in [0, 1] that divide the light into equal parts; empty: even
 };
 
 /// What a scene holds, decided once: the integrator is specialised by it.
@@ -102,7 +103,7 @@ struct SceneFeatures {
     bool light_linking = false;   ///< some light does not shine on everything
     bool shadow_linking = false;  ///< some light shines through something
     bool holdouts = false;        ///< some object is a hole in the picture
-    bool motion = false;  ///< something moves while the shutter is open: paths have a time
+    bool motion = false;          ///< something moves while the shutter is open: paths have a time
 
     /// Names of the features that are there (present) or left out.
     std::vector<std::string> list(bool present) const;

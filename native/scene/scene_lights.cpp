@@ -61,12 +61,10 @@ void Scene::add_lamp_shader(const LampDescription& lamp) {
     auto shader = std::make_shared<LampShader>();
     shader->program = *lamp.program;
     shader->instance.name = lamp.name;
-    // Its scale is its size, which node trees do not see.
-    const Pose axes(transform_of(lamp.world_from_light));
-    const double m[16] = {axes.x.x, axes.y.x, axes.z.x, axes.origin.x, axes.x.y, axes.y.y, axes.z.y, axes.origin.y,
-                          axes.x.z, axes.y.z, axes.z.z, axes.origin.z, 0,        0,        0,        1};
-    shader->instance.world_from_object = transform_of(m);
-    shader->instance.object_from_world = inverse_of(m);
+    if (lamp.scale(0) * lamp.scale(1) * lamp.scale(2) > 0) {  // else it has no space of its own
+        shader->instance.world_from_object = transform_of(lamp.world_from_light);
+        shader->instance.object_from_world = inverse_of(lamp.world_from_light);
+    }
     shader->instance.random = lamp.random;
     shader->mesh.generated_min = Vec3f(0);
     shader->mesh.generated_size = Vec3f(1);
@@ -138,8 +136,7 @@ void Scene::decide_features() {
         }
     }
     f.motion |= camera_->moves();  // and where a volume moves or has velocities
-    for (const Instance& instance : source_.instances)
-    {
+    for (const Instance& instance : source_.instances) {
         f.motion |= instance.motion.moves() || source_.meshes[instance.mesh].deforms();
         f.holdouts |= instance.holdout;
     }

@@ -163,8 +163,8 @@ std::pair<Rgb, Rgb> Dielectric::albedos(Vec3f wo) const {
     }
     if (fresnel.is_peculiar()) {
         const Rgb share = min(lerp(fresnel.at(wo.z), fresnel.mean(), roughness), Rgb(1));
-        return (reflection_tint * share + transmission_tint * (Rgb(1) - share)) *
-               ((reflected + transmitted) * scale);
+        const Rgb kept = (reflected + transmitted) * scale;
+        return {reflection_tint * share * kept, transmission_tint * (Rgb(1) - share) * kept};
     }
     const Rgb back = curve_albedo(fresnel, reflected, white);
     const float range = range_from_ior(fresnel.eta);

@@ -337,7 +337,7 @@ def test_failures_are_told_twice(host, fake, monkeypatch, fault, where):
 
 
 def test_export_error_is_reported(bpy, render, camera):
-    camera.data.type = "PANO"
+    camera.data.type = "CUSTOM"
     with pytest.raises(RuntimeError, match="unsupported camera"):
         render()
 

@@ -114,7 +114,9 @@ def test_holdouts(bpy, boxes, export):
 
 def test_shadow_catchers_warn(boxes, export):
     boxes[2].is_shadow_catcher = True
-    assert any("object 'C': shadow catchers" in text and "with and without" in text for text in export().warnings)
+    assert any(
+        "object 'C': shadow catchers" in text and "with and without" in text for text in export().warnings
+    )
 
 
 def test_material_override(bpy, boxes, export):

@@ -39,7 +39,9 @@ def test_balls_cover_what_round_ones_do(count):
     """A convex body covers a quarter of its surface, on average."""
     shape = balls(np.zeros((count, 3)), np.full(count, 2.0))
     assert areas(shape).sum() == pytest.approx(count * 4 * np.pi * 4)
-    assert np.allclose(shape.positions / np.linalg.norm(shape.positions, axis=1)[:, None], shape.normals, atol=1e-6)
+    assert np.allclose(
+        shape.positions / np.linalg.norm(shape.positions, axis=1)[:, None], shape.normals, atol=1e-6
+    )
 
 
 @pytest.fixture
@@ -75,7 +77,12 @@ def test_hair_curves_are_tubes(hair, export):
 
 @pytest.mark.parametrize(
     ("output", "first", "second"),
-    [("Intercept", (0, 1), (0, 1)), ("Length", (2, 2), (1, 1)), ("Thickness", (0.2, 0.2), (0.4, 0.4)), ("Is Strand", (1, 1), (1, 1))],
+    [
+        ("Intercept", (0, 1), (0, 1)),
+        ("Length", (2, 2), (1, 1)),
+        ("Thickness", (0.2, 0.2), (0.4, 0.4)),
+        ("Is Strand", (1, 1), (1, 1)),
+    ],
 )
 def test_curves_info(bpy, hair, export, output, first, second):
     shaded_by(bpy, hair, "HairInfo", output)

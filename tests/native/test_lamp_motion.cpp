@@ -48,7 +48,8 @@ TEST(LampMotion, IsThatOfALampWhichStandsThere) {
             if (!a)
                 continue;
             ++drawn;
-            const auto hit = moving.intersect({p, a->wi, 0, kInfinity, 1}), there = still.intersect({p, a->wi});
+            const auto hit = moving.intersect({p, a->wi, 0, kInfinity, 1}),
+                       there = still.intersect({p, a->wi});
             if (!hit || !there)
                 continue;  // at the rim
             ++met;
@@ -138,7 +139,8 @@ TEST(LampPoint, TextureCoordinatesSpanTheLamp) {
     LampDescription s = lamp_of(Kind::spot);
     s.spot_size = kPi / 2;
     place(s, {0, 0, 2});
-    const LampPoint edge = lamp_point(prepare_lamp(s).light, {2, 0, 0}, normalize(Vec3f(-2, 0, 2)), std::sqrt(8.0f));
+    const LampPoint edge =
+        lamp_point(prepare_lamp(s).light, {2, 0, 0}, normalize(Vec3f(-2, 0, 2)), std::sqrt(8.0f));
     EXPECT_NEAR(edge.uv.x, 1, 1e-5) << "the cone touches the picture's sides";
     EXPECT_NEAR(edge.uv.y, 0.5, 1e-5);
 }

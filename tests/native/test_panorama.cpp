@@ -47,8 +47,10 @@ TEST(Panorama, ShowsWhatIsAheadInTheMiddleAndRightOnTheRight) {
 
 TEST(Panorama, EquirectangularFollowsItsRanges) {
     const Panorama p = panorama(Lens::equirectangular, {-1, 2, -0.5, 1});
-    expect_direction(p, 0, 0.5, {-std::sin(1.0f) * std::cos(0.25f), std::sin(0.25f), -std::cos(1.0f) * std::cos(0.25f)});
-    expect_direction(p, 1, 1, {std::sin(2.0f) * std::cos(1.0f), std::sin(1.0f), -std::cos(2.0f) * std::cos(1.0f)});
+    expect_direction(p, 0, 0.5,
+                     {-std::sin(1.0f) * std::cos(0.25f), std::sin(0.25f), -std::cos(1.0f) * std::cos(0.25f)});
+    expect_direction(p, 1, 1,
+                     {std::sin(2.0f) * std::cos(1.0f), std::sin(1.0f), -std::cos(2.0f) * std::cos(1.0f)});
 }
 
 TEST(Panorama, EquidistantAnglesGrowWithTheDistance) {
@@ -68,8 +70,10 @@ TEST(Panorama, EquisolidKeepsAreas) {
     // The solid angle within the angle of a point at the distance r from the middle is pi (r / f)^2.
     for (const double r : {1.0, 5.0, 11.0}) {
         const double solid_angle = 0.5 * kTurn * r * r / (f * f);
-        EXPECT_NEAR(kTurn * (1 + double{p.direction(0.5 + r / 36, 0.5)->z}), solid_angle, 1e-5 * solid_angle + 1e-5);
-        EXPECT_NEAR(kTurn * (1 + double{p.direction(0.5, 0.5 + r / 24)->z}), solid_angle, 1e-5 * solid_angle + 1e-5);
+        EXPECT_NEAR(kTurn * (1 + double{p.direction(0.5 + r / 36, 0.5)->z}), solid_angle,
+                    1e-5 * solid_angle + 1e-5);
+        EXPECT_NEAR(kTurn * (1 + double{p.direction(0.5, 0.5 + r / 24)->z}), solid_angle,
+                    1e-5 * solid_angle + 1e-5);
     }
     EXPECT_FALSE(p.direction(1, 1));
 }

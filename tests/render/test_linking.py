@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light and shadow linking, lamps that the camera sees, node trees of lamps, holdouts: what follows from what they
-are. False alarms: see comparison.py."""
+"""Light and shadow linking, lamps that the camera sees, node trees of lamps, holdouts: what follows from
+what they are. False alarms: see comparison.py."""
 
 import dataclasses
 
@@ -9,14 +9,27 @@ import pytest
 from comparison import assert_same, moments
 from nephele import description as d
 from nephele import opcodes
-from truth import BOX_FILTER, NO_LIMIT, Scene, box, constant_program, diffuse, emission, orthographic, perspective, placed
+from truth import (
+    BOX_FILTER,
+    NO_LIMIT,
+    Scene,
+    box,
+    constant_program,
+    diffuse,
+    emission,
+    orthographic,
+    perspective,
+    placed,
+)
 
 GLOSSY = constant_program(("diffuse", 0.4, 0.0, None), ("glossy", 0.4, 0.4, None))
 SEEDS = 6
 
 
 def square(half, z=0.0, x=0.0, name="square"):
-    corners = np.array([(x - half, -half, z), (x + half, -half, z), (x + half, half, z), (x - half, half, z)], np.float32)
+    corners = np.array(
+        [(x - half, -half, z), (x + half, -half, z), (x + half, half, z), (x - half, half, z)], np.float32
+    )
     return d.Mesh(name, corners, np.array([(0, 1, 2), (0, 2, 3)], np.int32))
 
 
@@ -26,7 +39,12 @@ def room(lights, fog=True, **more):
     scene.add(square(2), GLOSSY)
     scene.add(box((-0.9, -0.3, 0), (-0.3, 0.3, 0.6)), GLOSSY, receiver_set=1, blocker_set=1)
     if fog:
-        scene.add(box((0.1, -0.5, 0.1), (1.1, 0.5, 1.1)), None, (d.VolumeClosure((0.8,) * 3, (0.1,) * 3),), receiver_set=2)
+        scene.add(
+            box((0.1, -0.5, 0.1), (1.1, 0.5, 1.1)),
+            None,
+            (d.VolumeClosure((0.8,) * 3, (0.1,) * 3),),
+            receiver_set=2,
+        )
     return scene
 
 
@@ -38,7 +56,10 @@ def area(**more):
 def test_lights_of_each_set_add_up_to_the_light_of_all():
     """Every path's light comes to its last vertex, whose object is in one set."""
     whole = moments(room([area()]), SEEDS, 64, 6)
-    parts = [moments(room([area(receivers=sets)]), SEEDS, 64, 6, seed=100 * n) for n, sets in enumerate((0b001, 0b010, 0b100))]
+    parts = [
+        moments(room([area(receivers=sets)]), SEEDS, 64, 6, seed=100 * n)
+        for n, sets in enumerate((0b001, 0b010, 0b100))
+    ]
     total = tuple((sum(p[k][0] for p in parts), sum(p[k][1] for p in parts)) for k in range(2))
     assert all(part[1][0].min() > 1e-3 for part in parts), "each set gets its part"
     assert_same(whole, total, SEEDS)
@@ -47,7 +68,14 @@ def test_lights_of_each_set_add_up_to_the_light_of_all():
 @pytest.mark.parametrize("sets", [0b001, 0b110])
 def test_linked_light_agrees_with_the_plain_twin(sets):
     one, other = (
-        moments(room([area(receivers=sets)], fog=sets != 1), SEEDS, samples, 6, integrator=name, train_field="never")
+        moments(
+            room([area(receivers=sets)], fog=sets != 1),
+            SEEDS,
+            samples,
+            6,
+            integrator=name,
+            train_field="never",
+        )
         for name, samples in (("path", 64), ("plain", 192))
     )
     assert_same(one, other, SEEDS, error=0.05)
@@ -74,7 +102,9 @@ def test_shadows_of_all_but_one_set_are_those_without_it():
     away = room([area(size=(0.05, 0.05))], fog=False)
     block = lit_through.instances.pop(1)
     lit_through.instances.append(dataclasses.replace(block, visibility=0b111110))
-    away.instances[1] = dataclasses.replace(away.instances[1], visibility=0b011110)  # no shadow rays, nor the camera's
+    away.instances[1] = dataclasses.replace(
+        away.instances[1], visibility=0b011110
+    )  # no shadow rays, nor the camera's
     one, other = (moments(s, SEEDS, 64, 6) for s in (lit_through, away))
     assert_same(one, other, SEEDS)
 
@@ -102,7 +132,9 @@ def test_the_camera_sees_no_lamp_behind_a_wall_nor_before_its_clipping():
 def of_one_operation(name, mode=0):
     """Returns a program that shines with what an operation tells."""
     row = (list(opcodes.OPCODES).index(name), 1, 0, 0, 0, 0, 0, mode)
-    return d.Program(np.ones((2, 3), np.float32), np.array([row], np.int32), closures=(d.Closure("emission", 0, (1, 0)),))
+    return d.Program(
+        np.ones((2, 3), np.float32), np.array([row], np.int32), closures=(d.Closure("emission", 0, (1, 0)),)
+    )
 
 
 def test_a_lamp_shows_what_its_nodes_make_of_it():
@@ -120,8 +152,8 @@ def test_a_lamp_shows_what_its_nodes_make_of_it():
 
 
 def test_a_lamp_that_its_nodes_tint_lights_as_its_pieces_do():
-    """A rectangle whose nodes make it as bright as its u, against 16 strips of the mean of each: on surfaces, by
-    light sampling and scattering."""
+    """A rectangle whose nodes make it as bright as its u, against 16 strips of the mean of each: on
+    surfaces, by light sampling and scattering."""
     tinted = dataclasses.replace(
         area(size=(1.6, 0.8), program=of_one_operation("parametric")), power=(16.0, 0.0, 0.0)
     )

@@ -52,7 +52,8 @@ def test_a_sun_that_turns_gives_the_mean_of_its_cosines():
 
 def blocks(scene, seeds, **settings):
     images = [
-        scene.render(size=16, samples=64, seed=seed, **NO_LIMIT, **settings)["Combined"] for seed in range(seeds)
+        scene.render(size=16, samples=64, seed=seed, **NO_LIMIT, **settings)["Combined"]
+        for seed in range(seeds)
     ]
     return np.array(images).reshape(seeds, 4, 4, 4, 4, 3).mean((2, 4))
 
