@@ -71,8 +71,12 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
 
     def __del__(self):
         """Blender lets go of the engine, of which nothing of Blender's is left."""
-        if self._viewport is not None:
-            self._viewport.close()
+        try:
+            viewport = self._viewport
+        except ReferenceError:  # Blender's part went first: no 3D view, which lets go of the whole
+            return
+        if viewport is not None:
+            viewport.close()
 
     def view_update(self, context, depsgraph):
         """Blender says that something changed in what a 3D view shows."""
