@@ -61,8 +61,11 @@ LobeValue Reflection::eval(Vec3f wo, Vec3f wi) const {
     if (specular() || wo.z <= 0 || wi.z <= 0)
         return {};
     const Vec3f h = normalize(wo + wi);
+    const float cos_o = dot(wo, h);
+    if (!(cos_o > 0))  // opposite directions, both at the horizon: their sum has no digits
+        return {};
     const LobeValue value = reflection_value(facets, wo, wi, h);
-    return {value.f * fresnel.at(dot(wo, h)) * scale, value.pdf};
+    return {value.f * fresnel.at(cos_o) * scale, value.pdf};
 }
 
 std::optional<LobeSample> Reflection::sample(Vec3f wo, float, Vec2f u) const {

@@ -80,7 +80,7 @@ LobeValue Velvet::eval(Vec3f wo, Vec3f wi) const {
 std::optional<LobeSample> Velvet::sample(Vec3f wo, float, Vec2f u) const {
     const Vec3f wi = spherical(1 - u.x, u.y);
     const LobeValue value = eval(wo, wi);
-    if (!(wi.z > 0) || is_zero(value.f))
+    if (!(wi.z > 0))
         return std::nullopt;
     return LobeSample{wi, value.f / value.pdf, value.pdf, kDiffuseRay};
 }

@@ -70,7 +70,7 @@ TEST(Opcodes, NamesAndInputsFollowTheEnums) {
     EXPECT_STREQ(kOpNames[static_cast<int>(Op::map_range)], "map_range");
     EXPECT_STREQ(kClosureNames[static_cast<int>(ClosureKind::principled)], "principled");
     EXPECT_EQ(kClosureInputCounts[static_cast<int>(ClosureKind::principled)],
-              principled_input::emission_strength + 1);
+              principled_input::thin_film_ior + 1);
     EXPECT_GE(kMaxClosureInputs, kClosureInputCounts[static_cast<int>(ClosureKind::principled)]);
 }
 
