@@ -66,9 +66,10 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, row.name, len(row.channels), row.channels, row.kind)
 
     def __del__(self):
-        """Blender lets go of the engine, of which nothing of Blender's is left."""
-        if self._viewport is not None:
-            self._viewport.close()
+        """Blender lets go of the engine: what is Blender's of it is gone, and refuses to be asked."""
+        viewport = object.__getattribute__(self, "__dict__").get("_viewport")
+        if viewport is not None:
+            viewport.close()
 
     def view_update(self, context, depsgraph):
         """Blender says that something changed in what a 3D view shows."""
