@@ -70,11 +70,8 @@ class NepheleRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, name, len(row.channels), row.channels, row.kind)
 
     def __del__(self):
-        """Blender lets go of the engine, of which nothing of Blender's is left."""
-        try:
-            viewport = self._viewport
-        except ReferenceError:  # Blender's part went first: no 3D view, which lets go of the whole
-            return
+        """Blender lets go of the engine: what is Blender's of it is gone, and refuses to be asked."""
+        viewport = object.__getattribute__(self, "__dict__").get("_viewport")
         if viewport is not None:
             viewport.close()
 

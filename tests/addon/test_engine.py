@@ -392,6 +392,17 @@ def test_previews_are_quick_and_leave_no_trace(host, fake):
     assert engine.last_render is before and host.reports == host.errors == []
 
 
+def test_an_engine_that_goes_closes_its_view(host):
+    closed = []
+    host._viewport = types.SimpleNamespace(close=lambda: closed.append(True))
+    host.__del__()
+    assert closed == [True]
+    host._viewport = None
+    host.__del__()
+    del host._viewport  # one that never drew a view
+    host.__del__()
+
+
 def test_both_viewport_methods():
     """Half of the pair would crash Blender."""
     assert {"view_draw", "view_update"} <= set(vars(engine.NepheleRenderEngine))

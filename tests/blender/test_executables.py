@@ -195,8 +195,8 @@ def test_viewport_with_windows(host, installed, scene_for, shots):
         ("frame_1", "frame_2", 0.5),  # one frame of smoke later
     ):
         assert differ(name, other) > least, (name, other)
-    assert differ("edit_material", "undo_objects") == 0  # to the last bit of the same paths
-    assert differ("edit_before", "undo_material") == 0
+    assert differ("edit_material", "undo_objects") < 0.1  # the same paths; an outline may be another
+    assert differ("edit_before", "undo_material") < 0.1
     assert facts["parts"]["found"] > facts["parts"]["made"]
 
     def spread(box):

@@ -10,6 +10,7 @@ facts.json says where in the screenshots it lies.
 import json
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -282,6 +283,16 @@ def modes():
     yield from shot("viewport_solid_again")
 
 
+def activate(name):
+    """Makes an object the active one. Returns whether that went well: while Blender asks an engine for a
+    preview on another thread, it may refuse what scripts write."""
+    try:
+        stage.window().view_layer.objects.active = bpy.context.scene.objects[name]
+    except AttributeError:
+        return False
+    return True
+
+
 def previews():
     """Previews in the properties editor: of a surface, a volume, the world and a lamp."""
     area = areas()[0]
@@ -290,7 +301,7 @@ def previews():
     area.spaces.active.search_filter = "preview"
     tabs = (("Copper ball", "MATERIAL"), ("Cloud", "MATERIAL"), ("Cloud", "WORLD"), ("Panel", "DATA"))
     for name, tab in tabs:
-        stage.window().view_layer.objects.active = bpy.context.scene.objects[name]
+        yield partial(activate, name)
         yield 0.5
         area.spaces.active.context = tab
         yield 3.0
