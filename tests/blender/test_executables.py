@@ -145,6 +145,13 @@ def test_rounds_of_actions_leave_no_memory(host, installed, scene_for, shots):
     assert min(told["memory"][-2:]) < 1.02 * told["memory"][WARM_UP - 1], told["memory"]
 
 
+def test_sky_texture(host, installed):
+    """The script that bakes it is in the zip, and works with the node as this Blender has it."""
+    picture = fresh(WORK / host.name / "sky") / "sky.exr"
+    check_output(host.run("render_sky.py", picture, resources=installed))
+    assert read_combined(picture).mean() > 0.1
+
+
 def test_new_user(host, shots):
     """From the zip to the first volume: less than a minute of one core, at the size that Blender starts
     with."""
