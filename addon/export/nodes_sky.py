@@ -20,14 +20,15 @@ from .nodes_tree import upstream
 
 SETTINGS = (
     "sky_type", "sun_disc", "sun_size", "sun_intensity", "sun_elevation", "sun_rotation", "altitude",
-    "air_density", "aerosol_density", "ozone_density", "sun_direction", "turbidity", "ground_albedo",
+    "air_density", "aerosol_density", "dust_density", "ozone_density", "sun_direction", "turbidity",
+    "ground_albedo",
 )  # fmt: skip
-SCATTERING = ("SINGLE_SCATTERING", "MULTIPLE_SCATTERING")  # the kinds with a disc
+SCATTERING = ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")  # the kinds with a disc
 
 
 def sky_settings(node):
-    """Returns the JSON text of a node's settings."""
-    values = {name: getattr(node, name) for name in SETTINGS}
+    """Returns the JSON text of a node's settings, as this Blender has them: before 5.0 dust, no aerosol."""
+    values = {name: getattr(node, name) for name in SETTINGS if hasattr(node, name)}
     values["sun_direction"] = tuple(values["sun_direction"])
     values["sun_disc"] = node.sun_disc and node.sky_type in SCATTERING
     return json.dumps(values)

@@ -26,7 +26,7 @@ def new_scene():
     scene = bpy.context.scene
     mesh = bpy.data.meshes.new("Plane")
     mesh.from_pydata([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [], [(0, 1, 2, 3)])
-    material = bpy.data.materials.new("Sky")
+    material = with_nodes(bpy.data.materials.new("Sky"))
     mesh.materials.append(material)
     camera = bpy.data.cameras.new("Camera")
     camera.type, camera.ortho_scale = "ORTHO", 2
@@ -42,6 +42,13 @@ def new_scene():
     cycles.pixel_filter_type, cycles.filter_width = "GAUSSIAN", 0.01
     material.node_tree.nodes.clear()
     return material.node_tree
+
+
+def with_nodes(block):
+    """Returns a material or world with its node tree, which only Blender 5 makes at once."""
+    if block.node_tree is None:
+        block.use_nodes = True
+    return block
 
 
 def add(tree, kind, *inputs, **properties):
@@ -125,7 +132,7 @@ def world_picture(settings, reach):
     new_scene()
     scene = bpy.context.scene
     bpy.data.objects.remove(bpy.data.objects["Plane"])
-    scene.world = bpy.data.worlds.new("World")
+    scene.world = with_nodes(bpy.data.worlds.new("World"))
     tree = scene.world.node_tree
     tree.nodes.clear()
     background = add(tree, "Background", add(tree, "TexSky", **settings))
