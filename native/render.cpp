@@ -61,7 +61,8 @@ void check_plain(const Settings& settings, const Scene& scene, const Film& film)
         return;
     if (film.has_parts()) {
         throw std::invalid_argument(
-            "the plain integrator tells light apart as Volume and Surface alone; leave its other light passes, "
+            "the plain integrator tells light apart as Volume and Surface alone; leave its other light "
+            "passes, "
             "cryptomattes and denoising passes out, or use integrator = path");
     }
     for (const Lamp& lamp : scene.lights().lamps()) {

@@ -226,7 +226,8 @@ SceneSource scene_source_of(nb::handle scene) {
     out.origin = move_origin(out.camera);
     const int columns = std::max(1, reading("film", [&] { return value<int>(scene.attr("film"), "width"); }));
     out.pixel_width = static_cast<float>((out.camera.right - out.camera.left) / columns);
-    out.camera.neighbours = reading("neighbours", [&] { return neighbours(scene.attr("camera"), out.origin); });
+    out.camera.neighbours =
+        reading("neighbours", [&] { return neighbours(scene.attr("camera"), out.origin); });
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {

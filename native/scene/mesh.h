@@ -52,8 +52,9 @@ struct Mesh {
     }
     /// At the frame before (0) or after (1).
     Vec3f neighbour(std::uint32_t triangle, int corner, std::size_t which) const {
-        return neighbours.empty() ? vertex(triangle, corner)
-                                  : at(neighbours, which * positions.size() + 3 * vertex_number(triangle, corner));
+        return neighbours.empty()
+                   ? vertex(triangle, corner)
+                   : at(neighbours, which * positions.size() + 3 * vertex_number(triangle, corner));
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];
@@ -90,9 +91,9 @@ struct Instance {
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
     std::optional<std::array<Transform, 2>> neighbours;  ///< world_from_object at the frames before and after
-    std::uint32_t object_matte = 0, asset_matte = 0;  ///< ids, see film/matte.h
-    std::vector<std::array<float, 4>> properties;  ///< RGBA, numbered as attributes of objects are
-    int dielectric_priority = 0;                   ///< see scene/nesting.h; 0: takes no part
+    std::uint32_t object_matte = 0, asset_matte = 0;     ///< ids, see film/matte.h
+    std::vector<std::array<float, 4>> properties;        ///< RGBA, numbered as attributes of objects are
+    int dielectric_priority = 0;                         ///< see scene/nesting.h; 0: takes no part
 
     /// Material of a triangle; slots beyond the list use the last one, as in Blender.
     std::int32_t material_of(const Mesh& m, std::uint32_t triangle) const {
