@@ -61,7 +61,8 @@ void check_plain(const Settings& settings, const Scene& scene, const Film& film)
         return;
     if (film.has_parts()) {
         throw std::invalid_argument(
-            "the plain integrator tells light apart as Volume and Surface alone; leave its other light passes, "
+            "the plain integrator tells light apart as Volume and Surface alone; leave its other light "
+            "passes, "
             "cryptomattes and denoising passes out, or use integrator = path");
     }
     if (scene.features().shadow_linking) {
@@ -112,7 +113,6 @@ Render::Render(std::shared_ptr<const Scene> scene, const Settings& settings, Fil
              PassId::position, PassId::vector, PassId::uv, PassId::object_index, PassId::material_index});
     request_.vector = film_.has(PassId::vector);
     request_.film_size = {static_cast<float>(frame_.width), static_cast<float>(frame_.height)};
-    request_.parts = film_.has_parts();
     request_.opaque_alpha = frame_.opaque_alpha;
     if (film_.has(PassId::mist))
         request_.mist = &frame_.mist;

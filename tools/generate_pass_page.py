@@ -20,7 +20,7 @@ A pass is asked for in *View Layer Properties > Passes*, or with `nephele render
 spelling: `volume_direct`). Passes that mean the same as Cycles' have its names, those of Blender 5, and its toggles, so that files
 and compositor graphs that were made for Cycles go on working; Blender 4 calls some of them otherwise (*old name*), and there we do,
 too. What nobody asks for is neither kept nor computed: light passes, cryptomattes and denoising data come from kernels of their own,
-and Combined has the same bits with and without them.
+which trace the same paths; only in scenes of a single medium Combined may be rounded otherwise with them.
 
 In EXR files channels are called `ViewLayer.Pass.Channel`. Colours are scene-linear Rec. 709, times the film's exposure where
 they are light. World space is Blender's. Values are means over a pixel's samples but for those of the *first sample*, which cannot

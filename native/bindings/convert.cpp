@@ -271,7 +271,8 @@ SceneSource scene_source_of(nb::handle scene) {
     out.pixel_width = static_cast<float>((out.camera.right - out.camera.left) / columns);
     if (out.camera.kind == CameraDescription::Kind::panoramic)
         out.pixel_width *= 2 * kPi;  // an angle: its picture is a square of 1, and shows all round or less
-    out.camera.neighbours = reading("neighbours", [&] { return neighbours(scene.attr("camera"), out.origin); });
+    out.camera.neighbours =
+        reading("neighbours", [&] { return neighbours(scene.attr("camera"), out.origin); });
     out.camera.motion = reading("motion", [&] { return motion_matrices(scene.attr("camera"), out.origin); });
     out.meshes = list<Mesh>(scene, "meshes", mesh);
     out.materials = list<Material>(scene, "materials", [](nb::handle m) {

@@ -22,11 +22,12 @@ constexpr std::size_t at(PassId pass) {
 /// Passes that describe the first sample alone: an average over a silhouette would be a depth where nothing
 /// is.
 constexpr bool first_sample_only(PassId pass) {
-    return pass == PassId::depth || pass == PassId::position || pass == PassId::vector || pass == PassId::object_index ||
-           pass == PassId::material_index;
+    return pass == PassId::depth || pass == PassId::position || pass == PassId::vector ||
+           pass == PassId::object_index || pass == PassId::material_index;
 }
 
-/// Light of a SampleParts that a pass holds; a colour divides it in the end, so that the product is the light.
+/// Light of a SampleParts that a pass holds; a colour divides it in the end, so that the product is the
+/// light.
 struct LightPass {
     PassId pass;
     Rgb (SampleParts::*parts)[4];
@@ -38,7 +39,8 @@ constexpr LightPass kLightPasses[] = {
     {PassId::diffuse_indirect, &SampleParts::indirect, SampleParts::diffuse, PassId::diffuse_color},
     {PassId::glossy_direct, &SampleParts::direct, SampleParts::glossy, PassId::glossy_color},
     {PassId::glossy_indirect, &SampleParts::indirect, SampleParts::glossy, PassId::glossy_color},
-    {PassId::transmission_direct, &SampleParts::direct, SampleParts::transmission, PassId::transmission_color},
+    {PassId::transmission_direct, &SampleParts::direct, SampleParts::transmission,
+     PassId::transmission_color},
     {PassId::transmission_indirect, &SampleParts::indirect, SampleParts::transmission,
      PassId::transmission_color},
     {PassId::volume_direct, &SampleParts::direct, SampleParts::volume, PassId::volume_direct},
@@ -76,7 +78,8 @@ constexpr std::optional<std::pair<std::size_t, int>> matte_of(PassId pass) {
 
 constexpr bool is_of_parts(PassId pass) {
     const auto holds = [&](const auto& rows, const auto& pass_of) {
-        return std::any_of(std::begin(rows), std::end(rows), [&](const auto& r) { return pass_of(r) == pass; });
+        return std::any_of(std::begin(rows), std::end(rows),
+                           [&](const auto& r) { return pass_of(r) == pass; });
     };
     return holds(kLightPasses, [](const LightPass& r) { return r.pass; }) ||
            holds(kColorPasses, [](const auto& r) { return r.first; }) || pass == PassId::environment ||
@@ -343,7 +346,9 @@ std::vector<float> Film::read(PassId pass) const {
         const std::uint32_t count = seen(counts_[i]);
         for (std::size_t c = 0; c < channels; ++c) {
             const std::size_t at = channels * i + c;
-            const double n = colors ? seen((*colors)[at]) : first_sample_only(pass) ? std::min(count, 1u) : count;
+            const double n = colors                    ? seen((*colors)[at])
+                             : first_sample_only(pass) ? std::min(count, 1u)
+                                                       : count;
             out[at] = n > 0 ? static_cast<float>(seen(sums[at]) / n) : 0.0f;
         }
     }

@@ -25,8 +25,8 @@ struct PixelSample {
     Rgb emission;
     Rgb transmittance{1};
     Rgb albedo, volume_albedo;
-    Vec3f normal, position;  ///< world space
-    Vec3f uv;                ///< u, v, 1
+    Vec3f normal, position;         ///< world space
+    Vec3f uv;                       ///< u, v, 1
     std::array<float, 4> vector{};  ///< Scene::motion_vector
     float object_index = 0, material_index = 0;
     float alpha = 1;

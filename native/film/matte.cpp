@@ -44,7 +44,8 @@ void MatteFilm::add(int x, int y, std::uint32_t id, double weight) {
     const auto row = static_cast<std::size_t>(y);
     auto& pixel = pixels_[row * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
     const std::lock_guard lock(rows_[row]);
-    const auto known = std::find_if(pixel.begin(), pixel.end(), [&](const Coverage& c) { return c.id == id; });
+    const auto known =
+        std::find_if(pixel.begin(), pixel.end(), [&](const Coverage& c) { return c.id == id; });
     if (known == pixel.end())
         pixel.push_back({id, weight});
     else
@@ -81,7 +82,8 @@ std::size_t MatteFilm::bytes() const {
     return bytes;
 }
 
-void MatteFilm::save(std::vector<double>& counts, std::vector<double>& ids, std::vector<double>& weights) const {
+void MatteFilm::save(std::vector<double>& counts, std::vector<double>& ids,
+                     std::vector<double>& weights) const {
     for (const auto& pixel : pixels_) {
         counts.push_back(static_cast<double>(pixel.size()));
         for (const Coverage& c : pixel) {

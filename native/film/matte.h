@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cryptomatte (Friedman and Jones, SIGGRAPH 2015 posters, "Fully automatic ID mattes with support for motion blur and
-// transparency"; specification 1.2): per pixel, the names of what is seen there, as hashes, and how much of the pixel
-// each covers. Every id that a pixel's samples meet is kept, so that the ranks are exact whatever the number of
-// threads.
+// Cryptomatte (Friedman and Jones, SIGGRAPH 2015 posters, "Fully automatic ID mattes with support for motion
+// blur and transparency"; specification 1.2): per pixel, the names of what is seen there, as hashes, and how
+// much of the pixel each covers. Every id that a pixel's samples meet is kept, so that the ranks are exact
+// whatever the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ class MatteFilm {
     explicit MatteFilm(int width, int height);
 
     void add(int x, int y, std::uint32_t id, double weight);
-    /// Two ranks of every pixel as (id, coverage, id, coverage), from rank 2 * level on; sample_counts divide.
+    /// Two ranks of every pixel as (id, coverage, id, coverage), from rank 2 * level on; sample_counts
+    /// divide.
     std::vector<float> read(int level, const std::vector<std::uint32_t>& sample_counts) const;
     std::size_t bytes() const;
 

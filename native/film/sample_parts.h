@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a path tells beyond its radiance where passes ask for it: its light by the first event and by the number of
-// events, the colours of what it saw, mattes, and features for denoisers. Kernels without `parts` leave it alone.
+// What a path tells beyond its radiance where passes ask for it: its light by the first event and by the
+// number of events, the colours of what it saw, mattes, and features for denoisers. Kernels without `parts`
+// leave it alone.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,8 @@ struct Matte {
 };
 
 struct SampleParts {
-    /// The first event, as Cycles tells light apart: translucency counts as diffuse, what glass reflects as glossy.
+    /// The first event, as Cycles tells light apart: translucency counts as diffuse, what glass reflects as
+    /// glossy.
     enum Event { diffuse, glossy, transmission, volume };
 
     Rgb direct[4], indirect[4];  ///< light after that event alone, and after more; by Event

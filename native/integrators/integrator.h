@@ -37,8 +37,7 @@ struct Workspace {
 struct SampleRequest {
     bool transmittance = false;
     bool majorant_depth = false;
-    bool features = false;    ///< depth, normal, albedo and the like of the first surface
-    bool parts = false;       ///< SampleParts
+    bool features = false;      ///< depth, normal, albedo and the like of the first surface
     float opaque_alpha = 0.5f;  ///< a surface of less is not the first one
     bool vector = false;
     Vec2f film_size;  ///< of the whole frame, pixels

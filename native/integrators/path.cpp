@@ -45,10 +45,10 @@ class Path : private PathLight<k> {
   private:
     static constexpr KernelTraits kTracking = without_parts(k);
     using Base::add_surface_emission, Base::add_volume_emission, Base::escape, Base::see_surface,
-        Base::see_volume, Base::shares_, Base::guide_at,
-        Base::guide_in_volume, Base::kMostSurfaceWeight, Base::light, Base::light_surface, Base::light_volume,
-        Base::nearest_lamp, Base::out_, Base::pass_lamp, Base::record_, Base::region_at, Base::request_,
-        Base::sampler_, Base::scene_, Base::settings_, Base::shading, Base::walk_, Base::ws_;
+        Base::see_volume, Base::shares_, Base::guide_at, Base::guide_in_volume, Base::kMostSurfaceWeight,
+        Base::light, Base::light_surface, Base::light_volume, Base::nearest_lamp, Base::out_, Base::pass_lamp,
+        Base::record_, Base::region_at, Base::request_, Base::sampler_, Base::scene_, Base::settings_,
+        Base::shading, Base::walk_, Base::ws_;
     using typename Base::First;
     using typename Base::Guide;
 
@@ -106,7 +106,7 @@ class Path : private PathLight<k> {
         OpenSegment* segment = record_.current();
         if (!segment)
             return sample_flight<kTracking>(ws_.segment, ws_.tracking, settings_, walk_.beta, sampler_.rng(),
-                                    ws_.counters);
+                                            ws_.counters);
         SegmentGuiding& guiding = segment->guiding;
         if (!guiding.active())
             return guiding.template plain_flight<kTracking>(walk_.beta, distance, sampler_, ws_);
@@ -411,7 +411,8 @@ constexpr KernelTraits media_traits(bool overlap, bool emission) {
             .learning = false,
             .parts = false};
 }
-/// Passes that tell light apart cost more than learning that is not asked for: these kernels always can learn.
+/// Passes that tell light apart cost more than learning that is not asked for: these kernels always can
+/// learn.
 constexpr KernelTraits with_parts(KernelTraits k) {
     k = with_learning(k);
     k.parts = compiled::passes;
@@ -430,8 +431,10 @@ Kernel choose_kernel(const Settings& settings, const SceneFeatures& features, bo
     if (settings.integrator == Settings::Integrator::plain)
         return {sample_plain, std::nullopt};
     if (parts) {
-        constexpr KernelTraits kWithoutMedia = with_parts(kSurfaces), kAll = with_parts(media_traits(true, true));
-        return features.media ? Kernel{sample_path<kAll>, kAll} : Kernel{sample_path<kWithoutMedia>, kWithoutMedia};
+        constexpr KernelTraits kWithoutMedia = with_parts(kSurfaces),
+                               kAll = with_parts(media_traits(true, true));
+        return features.media ? Kernel{sample_path<kAll>, kAll}
+                              : Kernel{sample_path<kWithoutMedia>, kWithoutMedia};
     }
     if (!features.media)
         return kernel<kSurfaces>(learning);

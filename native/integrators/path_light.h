@@ -176,7 +176,8 @@ class PathLight {
     }
 
     void add_direct(const DirectSample& direct, Vec3f p, Rgb f, float pdf) {
-        const Rgb T = shadow_transmittance<without_parts(k)>(scene_, settings_, p, walk_.ray.time, direct, sampler_, ws_);
+        const Rgb T = shadow_transmittance<without_parts(k)>(scene_, settings_, p, walk_.ray.time, direct,
+                                                             sampler_, ws_);
         if (is_zero(T))
             return;
         const float weight = direct.light.delta || direct.alone ? 1 : power_heuristic(direct.light.pdf, pdf);

@@ -16,8 +16,8 @@ inline Vec3f uv_of(const ShadingPoint& point) {
     return {uv[0] * w.x + uv[2] * w.y + uv[4] * w.z, uv[1] * w.x + uv[3] * w.y + uv[5] * w.z, 1};
 }
 
-/// A surface that a camera ray meets: its share of the mist and, of the first that is opaque enough, depth and
-/// the like. clear: what transparent surfaces before it let through.
+/// A surface that a camera ray meets: its share of the mist and, of the first that is opaque enough, depth
+/// and the like. clear: what transparent surfaces before it let through.
 inline void record_surface(const Scene& scene, const SampleRequest& request, const ShadingPoint& point,
                            float clear, PixelSample& out, bool& recorded) {
     if (recorded && !request.mist)
@@ -26,7 +26,8 @@ inline void record_surface(const Scene& scene, const SampleRequest& request, con
     const float alpha = clamp01(1 - mean(bsdf.transparency));
     const Vec3f seen = scene.camera().to_camera(point.p);
     if (request.mist)
-        out.mist -= (1 - request.mist->at(scene.camera().orthographic() ? seen.z : length(seen))) * alpha * clear;
+        out.mist -=
+            (1 - request.mist->at(scene.camera().orthographic() ? seen.z : length(seen))) * alpha * clear;
     if (recorded || alpha == 0 || alpha < request.opaque_alpha)
         return;
     recorded = true;

@@ -59,7 +59,9 @@ class Camera {
     Vec3f to_camera_vector(Vec3f world_vector) const;
     /// Film position of a world-space point, pixels (pinhole); points behind a perspective camera give
     /// nonsense.
-    Vec2f project(Vec3f world_point, Vec2f film_size) const { return project(world_point, film_size, world_from_camera_); }
+    Vec2f project(Vec3f world_point, Vec2f film_size) const {
+        return project(world_point, film_size, world_from_camera_);
+    }
     /// The same at the frame before (0) or after (1).
     Vec2f project_at_neighbour(Vec3f world_point, Vec2f film_size, std::size_t which) const {
         return project(world_point, film_size, neighbours_ ? (*neighbours_)[which] : world_from_camera_);

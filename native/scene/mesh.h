@@ -53,8 +53,9 @@ struct Mesh {
     }
     /// At the frame before (0) or after (1).
     Vec3f neighbour(std::uint32_t triangle, int corner, std::size_t which) const {
-        return neighbours.empty() ? vertex(triangle, corner)
-                                  : at(neighbours, which * positions.size() + 3 * vertex_number(triangle, corner));
+        return neighbours.empty()
+                   ? vertex(triangle, corner)
+                   : at(neighbours, which * positions.size() + 3 * vertex_number(triangle, corner));
     }
     std::int32_t slot(std::uint32_t triangle) const {
         return material_index.empty() ? 0 : material_index[triangle];

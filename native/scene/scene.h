@@ -166,8 +166,8 @@ class Scene {
     const Program* program_of(const ShadingPoint& point) const;
     /// Pass index of the material at a point, and the ids of all that covers so much of a pixel there.
     float material_index(const ShadingPoint& point) const;
-    /// Where the surface at a point was in the picture at the frame before, less where it is, and that less where
-    /// it will be at the next frame; pixels.
+    /// Where the surface at a point was in the picture at the frame before, less where it is, and that less
+    /// where it will be at the next frame; pixels.
     std::array<float, 4> motion_vector(const ShadingPoint& point, Vec2f film_size) const;
     Matte matte(const ShadingPoint& point, float weight) const;
     const TextureContext& textures() const { return textures_; }

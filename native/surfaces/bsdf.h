@@ -47,7 +47,8 @@ class Bsdf {
     /// Directional albedo (estimated for the rough lobes), without the straight-through share.
     Rgb albedo(Vec3f wo) const;
 
-    /// Of the light that the sample brings from its wi, the share of each class; they add up to 1 where there is any.
+    /// Of the light that the sample brings from its wi, the share of each class; they add up to 1 where there
+    /// is any.
     LobeShares shares(Vec3f wo, const BsdfSample& sample) const;
     /// The albedo of each class.
     LobeShares colors(Vec3f wo) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How light passes tell a BSDF's lobes apart, as Cycles does: diffuse (diffuse transmission too), glossy (what glass
-// reflects too), transmission.
+// How light passes tell a BSDF's lobes apart, as Cycles does: diffuse (diffuse transmission too), glossy
+// (what glass reflects too), transmission.
 #include "surfaces/bsdf.h"
 
 namespace nephele {

@@ -162,7 +162,8 @@ std::pair<Rgb, Rgb> Dielectric::albedos(Vec3f wo) const {
     const auto [reflected, transmitted] = dielectric_albedo(wo.z, roughness, eta);
     const float white = reflection_albedo(wo.z, roughness);
     if (fresnel.kind == Fresnel::Kind::constant) {  // refraction only: no share is lost to reflection
-        return {Rgb(0), transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white))};
+        return {Rgb(0),
+                transmission_tint * std::min(1.0f, transmitted / std::max(0.05f, 1 - reflected / white))};
     }
     if (fresnel.is_peculiar()) {
         const Rgb share = min(lerp(fresnel.at(wo.z), fresnel.mean(), roughness), Rgb(1));

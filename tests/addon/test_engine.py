@@ -10,7 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 from nephele import bridge, engine, parameters, passes
-from nephele.export import film
+from nephele.export.film import toggle_of
 
 
 class FakeRenderer:
@@ -77,7 +77,8 @@ class FakeRenderer:
 def fake(monkeypatch):
     """Returns a fresh fake renderer class in the native module's place."""
     cls = type("Fake", (FakeRenderer,), {"made": ()})
-    monkeypatch.setattr(bridge, "load_native", lambda: types.SimpleNamespace(Renderer=cls, SceneParts=object, matte_hash=len))
+    native = types.SimpleNamespace(Renderer=cls, SceneParts=object, matte_hash=len)
+    monkeypatch.setattr(bridge, "load_native", lambda: native)
     return cls
 
 
@@ -176,11 +177,11 @@ def expected(width, height, channel=0):
 def test_all_passes_arrive(bpy, render):
     layer = bpy.context.view_layer
     layer.pass_cryptomatte_depth = passes.MOST_LEVELS
-    wanted = [row for row in passes.PASSES if not row.denoised]
-    for row in wanted:
-        setattr(*film.toggle_of(layer, row), True)
+    rows = [row for row in passes.PASSES if not row.denoised]
+    for row in rows:
+        setattr(*toggle_of(layer, row), True)
     channels = render()
-    for row in wanted:
+    for row in rows:
         for k, letter in enumerate(row.channels):
             name = f"ViewLayer.{engine.blender_name(row)}.{letter}"
             assert np.array_equal(channels[name], expected(40, 20, k)), name

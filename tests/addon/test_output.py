@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Output files: EXR channels and windows, PNG encoding, frame numbers, all or nothing."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
-from nephele import description, description_source, exr, output
+from nephele import cryptomatte, description, description_source, exr, output
 from nephele.errors import InputError
 from PIL import Image
 
@@ -42,6 +43,36 @@ def test_exr_has_blenders_layout(tmp_path):
     }
     np.testing.assert_array_equal(read["Combined"][1], images["Combined"][::-1])
     assert exr.read_attributes(tmp_path / "a.exr") == {"samples": "7"}
+
+
+def test_exr_keeps_mattes_and_their_manifest(tmp_path):
+    class Native:
+        @staticmethod
+        def matte_hash(name):
+            return len(name) << 8  # a stand-in
+
+    instances = tuple(
+        description.Instance(name, 0, np.eye(4), materials, asset=asset)
+        for name, materials, asset in (("Cube", (0, -1), "Root"), ("Ball", (0,), ""))
+    )
+    film = description.Film(2, 1, passes=("Combined", "CryptoAsset00", "CryptoMaterial00"))
+    camera = description.Camera("camera", "perspective", np.eye(4), (-1, 1, -1, 1))
+    scene = description.Scene(camera, film, instances=instances, materials=(description.Material("Gold"),))
+    texts = cryptomatte.metadata(scene, "Layer", Native)
+    assert set(texts) == {
+        f"cryptomatte/{hashed:08x}"[: len("cryptomatte/") + 7] + f"/{what}"
+        for hashed in (len("Layer.CryptoAsset") << 8, len("Layer.CryptoMaterial") << 8)
+        for what in ("name", "hash", "conversion", "manifest")
+    }
+    manifests = [set(json.loads(text)) for name, text in texts.items() if name.endswith("manifest")]
+    assert manifests == [{"Gold", "default_surface"}, {"Root", "Ball"}]
+    images = {"CryptoAsset00": np.arange(8, dtype=np.float32).reshape(1, 2, 4)}
+    exr.write(tmp_path / "a.exr", images, film, "Layer", {}, texts)
+    letters, pixels = exr.read(tmp_path / "a.exr")["CryptoAsset00"]
+    assert letters == "rgba"
+    np.testing.assert_array_equal(pixels, images["CryptoAsset00"])
+    with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
+        assert texts.items() <= file.header().items()
 
 
 def test_exr_keeps_every_float(tmp_path):

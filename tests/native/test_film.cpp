@@ -240,7 +240,8 @@ TEST(Film, LightTimesItsColorIsTheLight) {
     parts.environment = {0, 0, 5};
     film.add(0, 0, {}, 2, 1, &parts);
     film.add(0, 0, {}, 2, 3, &parts);
-    EXPECT_EQ(film.read(PassId::glossy_direct), (std::vector<float>{4, 16, 0})) << "0 where there is no colour";
+    EXPECT_EQ(film.read(PassId::glossy_direct), (std::vector<float>{4, 16, 0}))
+        << "0 where there is no colour";
     EXPECT_EQ(film.read(PassId::glossy_color), (std::vector<float>{0.5f, 0.25f, 0}));
     EXPECT_EQ(film.read(PassId::volume_indirect), (std::vector<float>{6, 0, 0}));
     EXPECT_EQ(film.read(PassId::environment), (std::vector<float>{0, 0, 10}));

@@ -39,6 +39,24 @@ def pixels(path):
     return exr.read(path)["Combined"][1]
 
 
+def test_denoise_cleans_combined_and_keeps_the_noisy_image(tmp_path):
+    noisy, clean = tmp_path / "noisy.exr", tmp_path / "clean.exr"
+    same_kernel = ("--passes", "Combined,Denoising Albedo")  # rounding differs from kernel to kernel
+    for out, more in ((noisy, same_kernel), (clean, ("--denoise",))):
+        done = run("render", CLOUD, "-o", out, "--quiet", *TINY, *more)
+        assert done.returncode == 0, done.stderr
+    passes = exr.read(clean)
+    assert "Noisy Image" not in exr.read(noisy) and "Denoising Albedo" not in passes
+    np.testing.assert_array_equal(passes["Noisy Image"][1], pixels(noisy))
+    combined = passes["Combined"][1]
+    np.testing.assert_array_equal(combined[..., 3], pixels(noisy)[..., 3])
+
+    def roughness(image):
+        return np.abs(np.diff(image[..., :3], axis=1)).mean()
+
+    assert roughness(combined) < 0.7 * roughness(pixels(noisy))
+
+
 def test_render_writes_image_and_statistics(tmp_path):
     out, png, stats = (tmp_path / name for name in ("a.exr", "a.png", "a.json"))
     done = run(

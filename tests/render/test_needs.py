@@ -106,7 +106,7 @@ def test_the_boundary_of_a_volume_is_no_hidden_surface():
 
 
 def test_a_film_holds_what_its_passes_need():
-    """Bytes a pixel: 4 of the count, 8 of each sum; of a cryptomatte 24 of its list, and 16 of each id in it."""
+    """Bytes a pixel: 4 of the count, 8 of each sum; of a cryptomatte 24 of its list and 16 of each id."""
     for asked in pass_table.PASSES:
         if asked.levels:
             bytes_a_pixel = told(room(), (asked.name,), **PLAIN)["memory"]["film"] / PIXELS
