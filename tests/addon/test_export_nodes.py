@@ -74,10 +74,10 @@ def test_reroute_and_muted_link(tree, position):
 
 def test_unsupported_node_warns_and_falls_back(tree):
     tree.emission.inputs["Color"].default_value = (0.2, 0.4, 0.6, 1)
-    node = tree.node("ShaderNodeTexIES")
-    assert tree.color(node.outputs["Fac"]) == pytest.approx((0.2, 0.4, 0.6))
+    node = tree.node("ShaderNodeShaderToRGB")
+    assert tree.color(node.outputs["Color"]) == pytest.approx((0.2, 0.4, 0.6))
     (warning,) = tree.warnings
-    assert "material 'Material', node 'IES Texture'" in warning
+    assert "material 'Material', node 'Shader to RGB'" in warning
 
 
 def principled(tree):
