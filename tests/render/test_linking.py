@@ -76,7 +76,7 @@ def test_linked_light_agrees_with_the_plain_twin(sets):
             integrator=name,
             train_field="never",
         )
-        for name, samples in (("path", 64), ("plain", 192))
+        for name, samples in (("path", 64), ("plain", 256))
     )
     assert_same(one, other, SEEDS, error=0.05)
 
