@@ -92,12 +92,12 @@ struct Instance {
     std::array<float, 4> color{1, 1, 1, 1};
     float pass_index = 0;
     std::optional<std::array<Transform, 2>> neighbours;  ///< world_from_object at the frames before and after
-    std::uint32_t object_matte = 0, asset_matte = 0;  ///< ids, see film/matte.h
-    std::vector<std::array<float, 4>> properties;    ///< RGBA, numbered as attributes of objects are
-    int dielectric_priority = 0;                     ///< see scene/nesting.h; 0: takes no part
-    std::uint8_t receiver_set = 0, blocker_set = 0;  ///< see Linking
-    Linking linking;                                 ///< of the light that its emissive faces are
-    bool holdout = false;                            ///< the camera sees a hole where it is
+    std::uint32_t object_matte = 0, asset_matte = 0;     ///< ids, see film/matte.h
+    std::vector<std::array<float, 4>> properties;        ///< RGBA, numbered as attributes of objects are
+    int dielectric_priority = 0;                         ///< see scene/nesting.h; 0: takes no part
+    std::uint8_t receiver_set = 0, blocker_set = 0;      ///< see Linking
+    Linking linking;                                     ///< of the light that its emissive faces are
+    bool holdout = false;                                ///< the camera sees a hole where it is
 
     /// Material of a triangle; slots beyond the list use the last one, as in Blender.
     std::int32_t material_of(const Mesh& m, std::uint32_t triangle) const {
