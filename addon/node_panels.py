@@ -70,6 +70,21 @@ class NEPHELE_PT_material_settings(OurPanel, bpy.types.Panel):
         self.layout.prop(context.material, "pass_index")
 
 
+class NEPHELE_PT_world_preview(OurPanel, bpy.types.Panel):
+    """Blender's picture of the world, of which it has a panel for its own engines alone."""
+
+    bl_label = "Preview"
+    bl_context = "world"
+    bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.world is not None and super().poll(context)
+
+    def draw(self, context):
+        self.layout.template_preview(context.world)
+
+
 class NEPHELE_PT_light(OurPanel, bpy.types.Panel):
     """Settings of lights that Blender shows for other engines alone."""
 
@@ -135,6 +150,7 @@ class NEPHELE_PT_world_visibility(OurPanel, bpy.types.Panel):
 
 BUMP = "Rendered as bump: the surface itself stays as it is"
 CLASSES = (
+    NEPHELE_PT_world_preview,
     _node_panel("material", "material", "Surface", "Surface"),
     _node_panel("material", "material", "Volume", "Volume"),
     _node_panel("material", "material", "Displacement", "Displacement", closed=True, note=BUMP),
