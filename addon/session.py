@@ -17,8 +17,8 @@ from .export import ExportCache, export_scene
 
 
 class Session:
-    """Of one scene and one engine, whose every depsgraph it must be given; after one that it did not get, take
-    a new session or call distrust(). After an export that failed the next looks at everything by itself."""
+    """Of one scene and one engine, whose every depsgraph it must be given; after one that it did not get,
+    take a new session or call distrust(). After an export that failed the next looks at everything."""
 
     def __init__(self):
         self._cache = ExportCache()
