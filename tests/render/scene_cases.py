@@ -357,7 +357,8 @@ LAMPS = {
     for case in (
         soft_point, spot, sun, ellipse, exposed, seen_lamp, matt_lamp, shiny_lamp, short_lamp, shadowless,
         area_picture, spot_picture, point_picture, sharp_spot_normal, point_normal, soft_point_normal,
-        area_object, scaled_area_object, area_normal, linear_falloff, ies_point, ies_spot, received, blocked, linked_glow,
+        area_object, scaled_area_object, area_normal, linear_falloff, ies_point, ies_spot, received,
+        blocked, linked_glow,
     )
 }  # fmt: skip
 
