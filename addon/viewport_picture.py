@@ -16,7 +16,7 @@ COMBINED = "Combined"
 GUIDES = tuple(
     f"Denoising {name}" if f"Denoising {name}" in BY_NAME else name for name in ("Albedo", "Normal")
 )
-CHOICES = (*(row.name for row in PASSES), maps.DIFFERENCE)
+CHOICES = (*(row.name for row in PASSES if not row.denoised), maps.DIFFERENCE)
 AS_THEY_ARE = {row.name for row in PASSES if row.kind == "COLOR"} - {"Transmittance"}
 LARGEST = 6e4  # of the half floats on the graphics card
 FARTHEST = 1e9  # depths from there on mean that nothing is there
