@@ -73,8 +73,9 @@ class LightLinks:
             self._sets[kind] = Sets(list(found.values()))
             if self._sets[kind].too_many:
                 context.warn(
-                    f"scene '{context.scene.name}': its lights' {kind} collections tell more than {MOST_SETS} "
-                    "kinds of objects apart; the rest counts as named by none. Share collections between lights"
+                    f"scene '{context.scene.name}': its lights' {kind} collections tell more than "
+                    f"{MOST_SETS} kinds of objects apart; the rest counts as named by none. "
+                    "Share collections between lights"
                 )
 
     def of_object(self, instance):
