@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Camera: Blender's camera object to description.Camera."""
 
+import numpy as np
+
 from .. import description
 from .context import ExportError
 from .panorama import panorama
