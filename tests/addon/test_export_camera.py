@@ -62,6 +62,8 @@ def test_depth_of_field(bpy, camera, export, link):
     assert (result.blades_rotation, result.aperture_ratio) == pytest.approx((0.3, 1.5))
     dof.focus_object = target
     assert export().camera.focus_distance == pytest.approx(3.5)  # along the axis, not the distance
+    camera.data.type = "PANO"
+    assert export().camera.focus_distance == pytest.approx(np.linalg.norm((3.0, 1.0, 3.5)))
 
 
 def test_no_blades_are_a_circle(camera, export):
