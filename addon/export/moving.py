@@ -64,6 +64,11 @@ class Tracks:
         if not is_blurred(self._context, instance):
             return
         track = Track(kind, number, instance.object.name, step_exponent(instance.object), mesh=mesh)
+        if record is not None and "velocity" in getattr(instance.object.data, "attributes", ()):
+            self._context.warn(
+                f"object '{instance.object.name}': the velocities of its vertices are not read; they blur "
+                "where modifiers or shape keys move them"
+            )
         if world_from_data is not None:
             track.object_from_data = np.linalg.pinv(matrix4(instance.matrix_world)) @ world_from_data
         self._follow(track, instance, record, part)

@@ -97,12 +97,20 @@ def compile_material(material, context, grids=None):
     return description.Material(material.name, surface, volume, material.pass_index), *layers
 
 
+MOST_BOUNCES = 1024  # Cycles' limit, and its value for worlds
+
+
 def compile_world(world, context):
     """Returns the description.World of Blender's world (None: black); its background only where the view
     layer shows it."""
     if world is None:
         return description.World()
     compiled = dataclasses.replace(_compiled_world(world, context), visibility=_world_visibility(world))
+    if getattr(getattr(world, "cycles", None), "max_bounces", MOST_BOUNCES) < MOST_BOUNCES:
+        context.warn(
+            f"world '{world.name}': its limit of bounces is not read, paths of any length see it; limit "
+            "all light by Light Paths"
+        )
     return compiled if context.view_layer.use_sky else dataclasses.replace(compiled, background=None)
 
 

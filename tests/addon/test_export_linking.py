@@ -190,3 +190,17 @@ def test_shaders_that_are_no_emission_are_left_out_of_lights(lamp, export):
     scene = export()
     assert any("light 'Lamp': only Emission counts" in text for text in scene.warnings)
     assert np.allclose(scene.lights[0].power, lamp.data.energy)
+
+
+def test_a_worlds_limit_of_bounces_is_not_read(bpy, export):
+    world = bpy.context.scene.world = bpy.data.worlds.new("Sky")
+    world.cycles.max_bounces = 3
+    assert any(text.startswith("world 'Sky': its limit of bounces") for text in export().warnings)
+
+
+def test_velocities_of_meshes_are_not_read(bpy, boxes, export):
+    boxes[1].data.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    assert export().warnings == ()
+    bpy.context.scene.render.use_motion_blur = True
+    (warning,) = export().warnings
+    assert warning.startswith("object 'B': the velocities of its vertices")
