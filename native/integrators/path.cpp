@@ -46,9 +46,9 @@ class Path : private PathLight<k> {
     static constexpr KernelTraits kTracking = without_parts(k);
     using Base::add_surface_emission, Base::add_volume_emission, Base::escape, Base::see_surface,
         Base::see_volume, Base::shares_, Base::guide_at, Base::guide_in_volume, Base::kMostSurfaceWeight,
-        Base::light, Base::light_surface, Base::light_volume, Base::nearest_lamp, Base::out_, Base::pass_lamp,
-        Base::record_, Base::region_at, Base::request_, Base::sampler_, Base::scene_, Base::settings_,
-        Base::shading, Base::walk_, Base::ws_;
+        Base::let_through, Base::light, Base::light_surface, Base::light_volume, Base::nearest_lamp,
+        Base::out_, Base::pass_lamp, Base::record_, Base::region_at, Base::request_, Base::sampler_,
+        Base::scene_, Base::settings_, Base::shading, Base::walk_, Base::ws_;
     using typename Base::First;
     using typename Base::Guide;
 
@@ -203,7 +203,7 @@ class Path : private PathLight<k> {
 
     bool meet_surface(const ShadingPoint& point) {
         if (walk_.kind == kCameraRay && point.instance->holdout) {
-            out_.alpha -= mean(walk_.beta);
+            let_through(walk_.beta);
             return false;
         }
         const Bsdf bsdf = make_bsdf(scene_.program_of(point), point, scene_.textures());
@@ -214,7 +214,7 @@ class Path : private PathLight<k> {
         if (!is_zero(bsdf.emission))
             add_surface_emission(point, bsdf.emission);
         if (!is_zero(bsdf.holdout) && walk_.kind == kCameraRay && request_.transparent_film)
-            out_.alpha -= mean(walk_.beta * bsdf.holdout);
+            let_through(walk_.beta * bsdf.holdout);
         return scatter_on_surface(point, bsdf);
     }
 

@@ -57,10 +57,14 @@ class PathLight {
         return true;
     }
 
+    /// A share of the camera's light for which the film is to stay open. Divided, not multiplied by a third,
+    /// so that all of it leaves an alpha of 0.
+    void let_through(Rgb share) { out_.alpha -= (share.x + share.y + share.z) / 3; }
+
     bool escape() {
         if (walk_.kind == kCameraRay && request_.transparent_film) {
             add_suns();
-            out_.alpha -= mean(walk_.beta);
+            let_through(walk_.beta);
             return false;
         }
         add_suns();
