@@ -43,13 +43,6 @@ class NEPHELE_PT_shutter_curve(OurPanel, bpy.types.Panel):
     bl_context = "render"
     bl_parent_id = "NEPHELE_PT_motion_blur"
     bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-    SHAPES = (
-        ("SMOOTH", "SMOOTH"),
-        ("ROUND", "SPHERE"),
-        ("ROOT", "ROOT"),
-        ("SHARP", "SHARP"),
-        ("LINE", "LIN"),
-    )
 
     def draw(self, context):
         layout, render = self.layout, context.scene.render

@@ -56,12 +56,4 @@ class NEPHELE_PT_panorama(OurPanel, bpy.types.Panel):
 
 CLASSES = (NEPHELE_PT_panorama,)
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -65,12 +65,4 @@ class NEPHELE_OT_copy_cycles_settings(bpy.types.Operator):
 
 CLASSES = (NEPHELE_OT_copy_cycles_settings,)
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

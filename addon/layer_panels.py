@@ -105,12 +105,4 @@ class NEPHELE_PT_layer_filter(OurPanel, bpy.types.Panel):
 
 CLASSES = (*(_panel(*row) for row in KINDS), NEPHELE_PT_layer_filter, NEPHELE_PT_override)
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

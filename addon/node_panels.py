@@ -76,10 +76,7 @@ class NEPHELE_PT_world_preview(OurPanel, bpy.types.Panel):
     bl_label = "Preview"
     bl_context = "world"
     bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.world is not None and super().poll(context)
+    needs = "world"
 
     def draw(self, context):
         self.layout.template_preview(context.world)
@@ -92,10 +89,7 @@ class NEPHELE_PT_light(OurPanel, bpy.types.Panel):
     bl_context = "data"
     bl_parent_id = "DATA_PT_EEVEE_light"
     bl_options: ClassVar[set] = {"HIDE_HEADER"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.light is not None and super().poll(context)
+    needs = "light"
 
     def draw(self, context):
         layout, light = self.layout, context.light
@@ -117,10 +111,7 @@ class NEPHELE_PT_mist(OurPanel, bpy.types.Panel):
     bl_label = "Mist Pass"
     bl_context = "world"
     bl_options: ClassVar[set] = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.world is not None and super().poll(context)
+    needs = "world"
 
     def draw(self, context):
         mist, column = context.world.mist_settings, self.layout.column()
@@ -163,12 +154,4 @@ CLASSES = (
     _node_panel("light", "data", "Surface", "Nodes", closed=True),
 )
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -88,10 +88,7 @@ class NEPHELE_PT_volume(OurPanel, bpy.types.Panel):
     bl_context = "data"
     bl_parent_id = "DATA_PT_volume_render"
     bl_options: ClassVar[set] = {"HIDE_HEADER"}
-
-    @classmethod
-    def poll(cls, context):
-        return context.volume is not None and super().poll(context)
+    needs = "volume"
 
     def draw(self, context):
         self.layout.use_property_split = True
@@ -108,10 +105,7 @@ class NEPHELE_PT_volume_velocity(OurPanel, bpy.types.Panel):
     bl_label = "Velocity"
     bl_context = "data"
     bl_parent_id = "DATA_PT_volume_render"
-
-    @classmethod
-    def poll(cls, context):
-        return context.volume is not None and super().poll(context)
+    needs = "volume"
 
     def draw(self, context):
         layout, volume = self.layout, context.volume
@@ -131,12 +125,4 @@ CLASSES = (
     NEPHELE_PT_volume_velocity,
 )
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -32,15 +32,18 @@ ADOPTED = {
 
 
 class OurPanel:
-    """Mixin: a panel of the properties editor, shown when Nephele renders."""
+    """Mixin: a panel of the properties editor, shown when Nephele renders. needs: what the context must have
+    for it, "world" for one, or "" for nothing."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     COMPAT_ENGINES = frozenset({ENGINE})
+    needs = ""
 
     @classmethod
     def poll(cls, context):
-        return context.engine in cls.COMPAT_ENGINES
+        there = not cls.needs or getattr(context, cls.needs, None) is not None
+        return there and context.engine in cls.COMPAT_ENGINES
 
 
 def compatible_panels():

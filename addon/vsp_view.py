@@ -98,12 +98,4 @@ class NEPHELE_PT_vsp_view(bpy.types.Panel):
 
 CLASSES = (NEPHELE_OT_vsp_view, NEPHELE_PT_vsp_view)
 
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

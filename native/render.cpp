@@ -68,8 +68,7 @@ void check_plain(const Settings& settings, const Scene& scene, const Film& film)
     if (scene.features().shadow_linking) {
         throw std::invalid_argument(
             "the plain integrator finds light by running into it, so that no surface can let it through; "
-            "clear "
-            "the lights' blocker collections, or use integrator = path");
+            "clear the lights' blocker collections, or use integrator = path");
     }
     for (const Lamp& lamp : scene.lights().lamps()) {
         if (lamp.delta()) {
