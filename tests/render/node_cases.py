@@ -11,6 +11,7 @@ from nodes_arithmetic import CASES as ARITHMETIC
 from nodes_images import CASES as IMAGES
 from nodes_inputs import CASES as INPUTS
 from nodes_procedural import CASES as PROCEDURAL
+from tiles import look_down
 
 PIXELS = 8  # along a tile's side
 LIFT = 4.0  # added to every value, so that none is negative
@@ -130,15 +131,7 @@ def build(bpy, cases):
         item.material_slots[0].link = "OBJECT"
         item.material_slots[0].material = tile.material
         scene.collection.objects.link(item)
-    camera = bpy.data.cameras.new("Camera")
-    height = 60.0
-    camera.sensor_fit = "HORIZONTAL"
-    camera.angle = 2 * math.atan(columns / height)
-    camera.clip_end = 1000
-    holder = bpy.data.objects.new("Camera", camera)
-    holder.location = (0, 0, height)
-    scene.collection.objects.link(holder)
-    scene.camera = holder
+    look_down(bpy, scene, columns)
     scene.world = bpy.data.worlds.new("World")
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS

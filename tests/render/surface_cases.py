@@ -7,6 +7,7 @@ import itertools
 import math
 
 from node_cases import patch
+from tiles import look_down
 
 PIXELS = 8  # along a tile's side
 STEEP = 3.0  # tilts up to 58 degrees
@@ -198,22 +199,14 @@ def build(bpy, cases, sun):
         item.material_slots[0].link = "OBJECT"
         item.material_slots[0].material = material(bpy, name, shader)
         scene.collection.objects.link(item)
-    camera = bpy.data.cameras.new("Camera")
-    height = 60.0
-    camera.sensor_fit = "HORIZONTAL"
-    camera.angle = 2 * math.atan(columns / height)
-    camera.clip_end = 1000
-    holder = bpy.data.objects.new("Camera", camera)
-    holder.location = (0, 0, height)
+    look_down(bpy, scene, columns)
     lamp = bpy.data.lights.new("Sun", "SUN")
     lamp.energy, lamp.angle = math.pi, 0
     light = bpy.data.objects.new("Sun", lamp)
     import mathutils
 
     light.rotation_euler = (-mathutils.Vector(sun)).to_track_quat("Z", "Y").to_euler()
-    for item in (holder, light):
-        scene.collection.objects.link(item)
-    scene.camera = holder
+    scene.collection.objects.link(light)
     scene.world = bpy.data.worlds.new("World")
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
     scene.render.resolution_x, scene.render.resolution_y = columns * PIXELS, rows * PIXELS

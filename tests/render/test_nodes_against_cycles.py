@@ -8,17 +8,11 @@ larger of 1 and themselves; where a pattern jumps, the last bit of a coordinate 
 OUTLIERS of a tile's pixels may differ. What reads the surface itself sees the pixel's place as the filter
 draws it, to 2e-3 units of a tile that is 2 wide: PLACED."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from node_cases import CASES, PIXELS, build, tile_of
 from nodes_inputs import CASES as INPUTS
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-from bench import cycles, ours  # noqa: E402  the project's root is on the path only now
+from tiles import both
 
 TOLERANCE, PLACED, OUTLIERS = 2e-4, 6e-3, 2 / PIXELS**2
 LOOSE = {
@@ -53,18 +47,7 @@ def renders(tmp_path_factory):
     """Returns (our image, Cycles' image, columns) of all cases."""
     import bpy
 
-    folder = tmp_path_factory.mktemp("nodes")
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    columns, rows = build(bpy, CASES)
-    path, size = folder / "nodes.blend", (columns * PIXELS, rows * PIXELS)
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    job = cycles.Job(str(path), size, 1, (1,), 0, pixel_filter="GAUSSIAN", filter_width=0.01)
-    theirs = cycles.render(job).passes["Combined"][0]
-    scene = ours.export(path, folder, size)
-    assert scene.warnings == ()
-    images, _ = ours.render(scene, (1,), samples=1, pixel_filter="gaussian", filter_width=0.01, threads=2)
-    return images["Combined"][0], theirs, columns
+    return both(bpy, tmp_path_factory.mktemp("nodes"), lambda host: build(host, CASES), PIXELS)
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -8,16 +8,10 @@ at edges of triangles may see another triangle than Cycles' do: OUTLIERS of a ti
 Left out behind the tiles: directions that no facet on the surface's side refracts into, where Cycles' glass
 shines though it never samples them. That sun stands straight behind."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from surface_cases import CASES, PIXELS, build, tile_of
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-from bench import cycles, ours  # noqa: E402  the project's root is on the path only now
+from tiles import both
 
 TOLERANCE, FLOOR, OUTLIERS = 0.01, 0.02, 4 / PIXELS**2
 SUNS = {"before": (-0.5, -0.35, -0.8), "behind": (0.1, 0.05, 1.0)}  # directions that they shine in
@@ -39,19 +33,8 @@ def renders(request, tmp_path_factory):
     """Returns (our image, Cycles' image, columns) of all cases."""
     import bpy
 
-    folder = tmp_path_factory.mktemp("surfaces")
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    columns, rows = build(bpy, CASES, SUNS[request.param])
-    path, size = folder / "surfaces.blend", (columns * PIXELS, rows * PIXELS)
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    job = cycles.Job(str(path), size, 1, (1,), 0, pixel_filter="GAUSSIAN", filter_width=0.01)
-    theirs = cycles.render(job).passes["Combined"][0]
-    scene = ours.export(path, folder, size)
-    assert scene.warnings == ()
-    settings = {"samples": 1, "max_bounces": 0, "pixel_filter": "gaussian", "filter_width": 0.01}
-    images, _ = ours.render(scene, (1,), threads=2, **settings)
-    return images["Combined"][0], theirs, columns
+    folder, sun = tmp_path_factory.mktemp("surfaces"), SUNS[request.param]
+    return both(bpy, folder, lambda host: build(host, CASES, sun), PIXELS, max_bounces=0)
 
 
 @pytest.mark.parametrize("name", CASES)
